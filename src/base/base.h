@@ -1,7 +1,7 @@
 #pragma once
 /*
-  What everything stands on: differences between PETSc's releases, numbers as text, texts that become files, bytes of
-  files, and exchange between ranks. Knows nothing of what the program is for.
+  The base of all folders: differences between PETSc's releases, numbers as text, texts that become files, bytes of
+  files, and exchange between ranks. Independent of the program's purpose.
 */
 #include <stdint.h>
 #include <stddef.h>
@@ -59,8 +59,8 @@ PetscErrorCode MpmNamesDestroy(PetscInt count, char ***names);
 int MpmDecodeUTF8(const unsigned char s[], unsigned *code);
 
 /*
-  Single-character insertions, deletions and replacements that turn one text into the other, case aside (Levenshtein 1966,
-  Soviet Physics Doklady 10); and the name that fewest of them, at most `most`, turn into the text: NULL where there is none.
+  Levenshtein distance of two texts, case aside: single-character insertions, deletions and replacements (Levenshtein
+  1966, Soviet Physics Doklady 10); and the name at the least distance, at most `most`: NULL where there is none.
 */
 PetscInt    MpmTextDistance(const char a[], const char b[]);
 const char *MpmTextNearest(const char text[], PetscInt count, char *const names[], PetscInt most);
@@ -117,8 +117,8 @@ int MpmWriteAt(int file, const void *bytes, size_t size, PetscInt64 offset);
 
 /*
   A sum over the words of 8 bytes (the last one filled up with zeros) of a mixture of word and place: the parts of a
-  file may be summed in any order, and a change of any one word changes the sum. `place` is that of the first byte; parts
-  must meet at multiples of 8.
+  file may be summed in any order, and a change of any one word changes the sum. `place` is the position of the first
+  byte; parts must meet at multiples of 8.
 */
 uint64_t MpmHashBytes(const void *bytes, size_t size, uint64_t place);
 
@@ -163,12 +163,12 @@ typedef enum {
   MPM_CHANGE_COUNT
 } MpmChange;
 
-/* What the engine tells of itself while it works: messages go to whoever listens, times add up. */
+/* Messages of the engine while it runs, to a listener; times of its tasks. */
 typedef struct MpmMonitor {
   PetscErrorCode (*message)(void *ctx, PetscBool line, const char text[]); /* NULL: nobody listens */
   void         *ctx;
   PetscReal     seconds[MPM_TIME_COUNT];
-  PetscLogEvent event[MPM_TIME_COUNT];     /* the same tasks in -log_view */
+  PetscLogEvent event[MPM_TIME_COUNT];     /* the tasks in -log_view */
   PetscInt      changes[MPM_CHANGE_COUNT]; /* how often the run has changed each setting by itself */
 } MpmMonitor;
 extern const char *const MpmTimers[], *const MpmChanges[]; /* their names */

@@ -1,5 +1,5 @@
 /*
-  What the engine tells of itself while it works.
+  Messages and times of the engine.
 */
 #include <stdarg.h>
 #include "base/base.h"

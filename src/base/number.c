@@ -21,7 +21,7 @@ void MpmRealText(PetscReal value, char text[MPM_NUMBER_TEXT])
   }
 }
 
-/* Nothing but blanks from here on? */
+/* True where only blanks follow. */
 static PetscBool OnlyBlanks(const char text[])
 {
   while (isspace((unsigned char)*text)) text++;

@@ -29,7 +29,7 @@ PetscErrorCode MpmTextFileAppend(MpmTextFile *text, const char *format, ...)
   length = vsnprintf(room ? text->data + text->length : NULL, room, format, arguments);
   va_end(arguments);
   PetscCheck(length >= 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "cannot format '%s'", format);
-  if ((size_t)length >= room) { /* that was too little: once more */
+  if ((size_t)length >= room) { /* the room was too small: once more */
     PetscCall(MpmTextFileReserve(text, (size_t)length));
     va_start(arguments, format);
     (void)vsnprintf(text->data + text->length, (size_t)length + 1, format, arguments);

@@ -71,7 +71,7 @@ typedef struct MpmDynamics       MpmDynamics;
 E*/
 typedef enum {
   MPM_SHAPE_LINEAR,        /* linear basis functions at the point */
-  MPM_SHAPE_GIMP,          /* the same averaged over the point's domain (contiguous-particle GIMP) */
+  MPM_SHAPE_GIMP,          /* linear, averaged over the point's domain (contiguous-particle GIMP) */
   MPM_SHAPE_BSPLINE2,      /* quadratic B-spline at the point */
   MPM_SHAPE_BSPLINE3,      /* cubic B-spline at the point */
   MPM_SHAPE_GIMP_BSPLINE2, /* quadratic B-spline averaged over the point's domain */
@@ -84,5 +84,5 @@ typedef enum {
 E*/
 typedef enum {
   MPM_EDGE_LINEAR, /* coefficients beyond extend the others linearly: no second derivative there */
-  MPM_EDGE_OPEN /* not-a-knot: the knot next to the edge is left out: polynomials of the spline's degree up to the edge */
+  MPM_EDGE_OPEN    /* not-a-knot: polynomials of the spline's degree up to the edge */
 } MpmEdgeType;

@@ -8,21 +8,21 @@
 
 /* ---- dirichlet.c, node_frames.c ---- */
 
-/* What the value of a condition is: a displacement, or its first or second derivative by time. */
+/* Meaning of a condition's value: a displacement, or its first or second derivative by time. */
 typedef enum { MPM_DISPLACEMENT, MPM_VELOCITY, MPM_ACCELERATION } MpmQuantity;
 
 /* A Dirichlet condition on nodes: on components of their unknowns, or on the displacement along a normal. */
 typedef struct {
   char       *name;
   MpmRegion   region;
-  PetscBool   inclined;            /* it has a normal: value[0] is along it, components are those of the reaction */
+  PetscBool   inclined;            /* a normal exists: value[0] is along it, components are those of the reaction */
   PetscReal   normal[MPM_MAX_DIM]; /* of length 1 */
   PetscInt    component_count;
   PetscInt    component[MPM_MAX_BLOCK];
   PetscReal   value[MPM_MAX_BLOCK];
   MpmRamp     ramp;
   MpmQuantity quantity;
-  PetscBool   absorbing; /* it prescribes nothing: its nodes have dashpots, and value is a wave that comes in */
+  PetscBool   absorbing; /* dashpots at its nodes in place of prescribed values; value is an incoming wave */
   PetscInt    across;    /* the axis across the plane of such a one */
 } MpmCondition;
 
@@ -37,7 +37,7 @@ typedef struct MpmConditions {
 struct MpmActing {
   PetscBool active;
   PetscReal start;
-  PetscInt  first, end;         /* ids of the body of which its nodes held most as it began to move in the stage, */
+  PetscInt  first, end;         /* ids of the body with most volume at its nodes as it began to move in the stage */
   PetscReal volume;             /* and how much of it, m3; 0: it has not begun to */
   PetscReal force[MPM_MAX_DIM]; /* the last step's reaction, N, in scenes that keep account of energy */
 };
@@ -80,7 +80,7 @@ typedef struct MpmConstraints {
   PetscInt   dim, block;
   PetscReal  diagonal;            /* of the equations of prescribed unknowns, N/m */
   PetscReal  unit[MPM_MAX_BLOCK]; /* of the solver's unknowns, by component: a power of 2 */
-  PetscBool  scaled;              /* are there units other than 1? */
+  PetscBool  scaled;              /* some units are not 1 */
   PetscInt  *frame_of;            /* per local node: its frame, or -1; NULL where no condition has a normal */
   MpmFrame  *frames;
 } MpmConstraints;
@@ -97,28 +97,28 @@ PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid,
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
                                    const MpmLayout *layout, const MpmSpace *space, PetscInt *contradicts);
 /*
-  What the ramp of condition or motion b adds in the step, or its factor at the step's end for unknowns that are
+  Increment of the ramp of condition or motion b in the step, or its factor at the step's end for unknowns that are
   totals.
 */
 PetscReal MpmStepFactor(const MpmPrescription *step, PetscInt b, PetscBool increment);
-/* Does condition b act at a node, which is given by its place in the grid as it was read? */
+/* True where condition b acts at a node, which is given by its place in the grid as it was read. */
 PetscBool MpmConditionHolds(const MpmPrescription *step, PetscInt b, const PetscReal x[]);
-/* Does the condition ever prescribe a displacement other than zero, along one of `dim` axes? */
+/* True where the condition prescribes a displacement other than zero at any time, along one of `dim` axes. */
 PetscBool MpmConditionMoves(const MpmCondition *bc, PetscInt dim);
 /*
-  Looks whether each condition that moves the material in the step still holds the body that it began to move, and
-  notes in `acting` which that is. `lost` is the first that does not, or -1, and `left` what is left of what it held
-  then; 0 where no such condition holds any node. The same on all ranks.
+  Checks that each condition that moves the material in the step still has the body that it began to move, and notes
+  that body in `acting`. `lost` is the first without, or -1, and `left` the remaining fraction of the volume then; 0
+  where no such condition acts on any node. Equal on all ranks.
 */
 PetscErrorCode MpmConditionsFindLost(const MpmPrescription *step, MpmActing *acting, const MpmBodies *bodies,
                                      const MpmSum *sum, PetscInt *lost, PetscReal *left);
 PetscErrorCode MpmConstraintsReset(MpmConstraints *constraints);
-/* Is the local unknown solved for? */
+/* True where the local unknown is solved for. */
 static inline PetscBool MpmConstraintsFree(const MpmConstraints *constraints, PetscInt unknown)
 {
   return (PetscBool)(constraints->condition[unknown] == MPM_FREE);
 }
-/* Are its row and column summed: is it solved for, or does it follow such ones? */
+/* True where its row and column are summed: it is solved for, or follows such ones. */
 static inline PetscBool MpmConstraintsCounts(const MpmConstraints *constraints, PetscInt unknown)
 {
   return (PetscBool)(constraints->condition[unknown] == MPM_FREE || constraints->condition[unknown] == MPM_FOLLOWS);

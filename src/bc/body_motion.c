@@ -1,12 +1,13 @@
 /*
   Motions of bodies: the displacement of a body's points, or of some of them, is prescribed wherever they go.
 
-  In each step the nodes that these points touch with their shape functions take the increment of the motion, found anew from
-  where the points are: since the weights sum to one and their derivatives to zero, the points then move by that increment
-  and do not deform along its axes, to rounding. Other material that shares those nodes goes with them, for a cell at
-  most with linear functions, for the support of a spline otherwise.
+  In each step the nodes that these points touch with their shape functions take the increment of the motion. The nodes
+  are found anew from the points' places. Since the weights sum to one and their derivatives to zero, the points then
+  move by that increment and do not deform along its axes, to rounding. Other material that shares those nodes goes with
+  them, for a cell at most with linear functions, for the support of a spline otherwise.
 
-  A node that a domain only grazes is not touched: where faces stand on grid lines, rounding must not decide which nodes move.
+  A node that a domain only grazes is not touched: where faces stand on grid lines, rounding must not decide which nodes
+  move.
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
@@ -112,7 +113,7 @@ PetscErrorCode MpmBodyMotionSelect(const MpmBodyMotion *motion, const MpmBodies 
 
 /* ---- nodes ---- */
 
-/* Does the point touch the node with the scene's shape functions? The place of the node in the box is at[]. */
+/* True where the point touches the node with the scene's shape functions. The place of the node in the box is at[]. */
 static PetscBool Touches(const MpmSpace *space, const PetscReal h[], PetscInt p, const PetscInt at[])
 {
   const PetscInt dim = space->dim;

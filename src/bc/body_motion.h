@@ -28,8 +28,8 @@ PetscErrorCode MpmBodyMotionDestroy(MpmBodyMotion *motion);
 /* Marks its points in the initial state; all bodies are there. */
 PetscErrorCode MpmBodyMotionSelect(const MpmBodyMotion *motion, const MpmBodies *bodies, MpmParticles *particles);
 /*
-  Which nodes the points of each acting motion touch, from the points of any rank: marks[i*count + m] > 0 for local node i
-  and motion m; NULL where none acts. Free it.
+  Nodes that the points of each acting motion touch, from the points of any rank: marks[i*count + m] > 0 for local node
+  i and motion m; NULL where none acts. Free it.
 */
 PetscErrorCode MpmBodyMotionsTouch(const MpmBodyMotions *motions, const MpmActing *acting, const MpmGrid *grid,
                                    const MpmSpace *space, MpmParticles *particles, PetscReal **marks);

@@ -53,7 +53,7 @@ static void NodePosition(const MpmGrid *grid, const MpmSpace *space, PetscInt no
 
 #define SAME 1e-9 /* of two displacements: what rounding may make of equal ones */
 
-/* What the motions prescribe at a node: along which axes, by which motion, and by how much in the step. */
+/* Motions at a node: prescribed axes, the motion of each, and its increment in the step. */
 typedef struct {
   PetscInt  motion[MPM_MAX_DIM]; /* behind the conditions; -1: none */
   PetscReal value[MPM_MAX_DIM];
@@ -88,7 +88,7 @@ static NodeMotion MotionAt(const MpmPrescription *step, const PetscReal *mark)
   return node;
 }
 
-/* Do the motions of the node, behind so many conditions, contradict a . u = g? */
+/* Notes a motion of the node, behind so many conditions, that contradicts a . u = g. */
 static void CheckEquation(NodeMotion *node, PetscInt conditions, PetscInt dim, const PetscReal a[], PetscReal g)
 {
   PetscReal along = 0., scale = PetscAbsReal(g);
@@ -245,7 +245,7 @@ static void PrescribeComponents(MpmConstraints *constraints, const MpmPrescripti
   }
 }
 
-/* What a component's values are measured in, over h, where a node's typical stiffness is K h^(dim - 2); to a power of 2. */
+/* Unit of a component's values, over h, where a node's typical stiffness is K h^(dim - 2); to a power of 2. */
 static PetscReal Unit(MpmScale scale, PetscReal stiffness, PetscReal h, PetscInt dim)
 {
   const PetscReal K = scale == MPM_SCALE_STRESS ? stiffness / PetscPowRealInt(h, dim - 2) : 1.;

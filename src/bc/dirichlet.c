@@ -1,10 +1,10 @@
 /*
   Dirichlet conditions on nodes, and the walls that they make for the shape functions.
 
-  A condition holds components of the unknowns at the nodes of its region, or the displacement along a normal, where the
-  tangential motion is free. Its value is the total since the start, value times ramp; a step prescribes what is added to
-  it from the step's beginning to its end, whatever came before at the node. Nodes do not move with the material; where the
-  grid moves, regions select nodes by their places in the grid as it was read.
+  A condition prescribes components of the unknowns at the nodes of its region, or the displacement along a normal,
+  where the tangential motion is free. Its value is the total since the start, value times ramp. A step prescribes the
+  increment from its beginning to its end, independent of the displacement of the node before. Nodes do not move with
+  the material; where the grid moves, regions select nodes by their places in the grid as it was read.
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
@@ -151,7 +151,7 @@ static PetscErrorCode ReadDirections(const MpmOptions *block, const MpmLayout *l
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the values are, and how they go on in time. */
+/* Reads the quantity of the values, and their course in time. */
 static PetscErrorCode ReadTime(const MpmOptions *block, const MpmLayout *layout, MpmCondition *bc)
 {
   static const char *const quantities[] = {"displacement", "velocity", "acceleration", NULL};
@@ -231,7 +231,7 @@ PetscErrorCode MpmConditionDestroy(MpmCondition *bc)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The displacements that a condition prescribes along an axis, their least and largest; PETSC_FALSE where it has none. */
+/* Least and largest displacement that a condition prescribes along an axis; PETSC_FALSE where it prescribes none. */
 static PetscBool MotionAlong(const MpmCondition *bc, PetscInt axis, PetscReal *least, PetscReal *most)
 {
   PetscReal value = 0., low, high;

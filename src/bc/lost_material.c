@@ -1,10 +1,11 @@
 /*
   Conditions that lose the material which they move.
 
-  Nodes do not move with the material: one that a condition pushes may leave the nodes of the condition, and what is left at
-  them, or other material that takes its place, resists less and less. So the volume is watched that the nodes of a condition
-  hold, sum_p V_p sum_i w_ip, of the body that they held most of as the condition began to move in the stage. What one condition
-  hands over to another one that moves, too, is not lost; and a condition to which no material has come yet may wait for it.
+  Nodes do not move with the material: a body that a condition pushes may leave the nodes of the condition. The
+  remainder at them, or other material that takes its place, resists less and less. Therefore the volume at the nodes of
+  a condition is watched, sum_p V_p sum_i w_ip, of the body with the largest such volume as the condition began to move
+  in the stage. Volume that passes from one condition to another one that moves, too, is not lost. A condition without
+  material may wait for it.
 */
 #include "geometry/geometry.h"
 #include "grid/grid.h"
@@ -43,7 +44,8 @@ static void MarkNodes(const MpmPrescription *step, PetscInt b, const MpmSum *sum
   }
 }
 
-/* What the marked nodes of a group hold of each body; ids[2*k] and ids[2*k + 1] are the first id of body k and the one past its last. */
+/* Volume of each body at the marked nodes of a group; ids[2*k] and ids[2*k + 1] are the first id of body k and the one
+   past its last. */
 static void AddGroup(const MpmSum *sum, const MpmGroup *group, const PetscBool mark[], PetscInt bodies,
                      const PetscInt ids[], MpmBasis *basis, PetscReal volume[])
 {
@@ -83,7 +85,7 @@ static PetscErrorCode FindVolumes(const MpmSum *sum, const PetscBool mark[], Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Which body the marked nodes hold most of, and how much; a run that restarts may not know its bodies: then all points. */
+/* The body with most volume at the marked nodes, and that volume; all points where a restarted run has no bodies. */
 static PetscErrorCode BeginMoving(const MpmSum *sum, const PetscBool mark[], const MpmBodies *bodies, MpmActing *acting)
 {
   PetscInt  *ids, most = 0;

@@ -1,18 +1,18 @@
 /*
-  Conditions along normals: a node that one of them holds has an orthonormal frame q_1, q_2 (, q_3).
+  Conditions along normals: a node with one of them has an orthonormal frame q_1, q_2 (, q_3).
 
-  The conditions on such a node are equations a_k . u = g_k, with a_k a normal or an axis. Gram and Schmidt's method turns
-  them into constrained components of the frame, a_k = sum_r L_kr q_r, so that v_r = q_r . u follows from L v = g; the remaining
-  q_r are free. An equation that depends on those before it adds nothing: equations come with the last condition first, so
-  that the last one holds, as for single components.
+  The conditions on such a node are equations a_k . u = g_k, with a_k a normal or an axis. Gram and Schmidt's method
+  turns them into constrained components of the frame, a_k = sum_r L_kr q_r, so that v_r = q_r . u follows from L v = g;
+  the remaining q_r are free. An equation that depends on those before it adds nothing: equations come with the last
+  condition first, so that the last one prevails, as for single components.
 
   The solver's unknowns of the node are its components in the frame, u = Q^T v. Q is orthonormal: the Jacobian's node
-  blocks become Q_i K_ij Q_j^T, symmetric where K is, and norms stay. All sums over points work on u, so what stands here
-  is all that knows of frames.
+  blocks become Q_i K_ij Q_j^T, symmetric where K is, and norms stay. All sums over points work on u: frames are known
+  in this file alone.
 */
 #include "bc/bc.h"
 
-#define DEPENDENT 1e-6 /* what is left of a unit vector that depends on others */
+#define DEPENDENT 1e-6 /* remainder of a unit vector that depends on others */
 
 void MpmFrameAdd(MpmFrame *frame, PetscInt dim, const PetscReal a[], PetscReal g, PetscInt condition)
 {

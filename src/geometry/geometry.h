@@ -35,22 +35,24 @@ MpmRegionType  MpmRegionGetType(MpmRegion region);
 PetscErrorCode MpmRegionGetBounds(MpmRegion region, PetscReal lower[], PetscReal upper[]);
 
 /*
-  The surface that cut a lattice of boxes of these half-lengths, seen from the middle x of one inside the region: the nearest
-  within reach, whose outward normal and depth below it, >= 0, are returned. Straight surfaces across an axis are none: boxes end there.
+  The surface that cut a lattice of boxes of these half-lengths, as found from the middle x of one inside the region:
+  the nearest within reach. Returns its outward normal and the depth of x below it, >= 0. Straight surfaces across an
+  axis do not count: boxes end there.
 */
 PetscBool MpmRegionCut(MpmRegion region, const PetscReal x[], const PetscReal half[], PetscReal normal[],
                        PetscReal *depth);
 
 /*
-  How far it reaches from a place x in it along an axis to a side (0 lower, 1 upper), m, where that is less than twice `half`, and is not
-  `half` to a ten-thousandth: a lattice of boxes of this half-length was cut there.
+  Distance from a place x inside along an axis to a side (0 lower, 1 upper), m, where it is less than twice `half`, and
+  differs from `half` by more than a ten-thousandth: a lattice of boxes of this half-length was cut there.
 */
 PetscBool MpmRegionEnd(MpmRegion region, const PetscReal x[], PetscInt axis, PetscInt side, PetscReal half,
                        PetscReal *end);
 
-/* Is its surface round, that of a sphere (2D: a disc) or a cylinder? */
+/* True where its surface is round: a sphere (2D: a disc) or a cylinder. */
 PetscBool MpmRegionIsRound(MpmRegion region);
-/* Does the clipping end a round one, seen from a place along an axis to a side (0 lower, 1 upper), before its surface does? */
+/* True where the clipping ends a round one, from a place along an axis to a side (0 lower, 1 upper), before its
+   surface. */
 PetscBool MpmRegionClips(MpmRegion region, const PetscReal x[], PetscInt axis, PetscInt side);
 /* Puts a place onto the round surface along its normal, which is returned, outward; what it was below it, m. */
 PetscReal MpmRegionToRound(MpmRegion region, PetscReal at[], PetscReal normal[]);
@@ -70,8 +72,8 @@ PetscErrorCode MpmRampCreate(const MpmOptions *options, const char *name, const 
 PetscErrorCode MpmRampDestroy(MpmRamp *ramp);
 PetscReal      MpmRampEvaluate(MpmRamp ramp, PetscReal time);
 /*
-  The factor integrated `order` times, 1 or 2, from time 0 on, exactly; of order -1 and -2 its first and second derivative, from
-  the left, which a jump does not count in.
+  The factor integrated `order` times, 1 or 2, from time 0 on, exactly; of order -1 and -2 its first and second
+  derivative, from the left, without a jump at that time.
 */
 PetscReal MpmRampIntegral(MpmRamp ramp, PetscReal time, PetscInt order);
 /*
@@ -85,7 +87,7 @@ void MpmRampBounds(MpmRamp ramp, PetscReal *least, PetscReal *most);
 PetscReal MpmRampLastChange(MpmRamp ramp);
 
 /*
-  Makes axis[0] of length one and the others from it, right-handed: axis[1] is the grid's axis behind the one along which
-  axis[0] is longest, less its part along axis[0]. PETSC_FALSE where axis[0] has no direction.
+  Makes axis[0] of length one and the others from it, right-handed: axis[1] is the grid's axis behind the one along
+  which axis[0] is longest, less its component along axis[0]. PETSC_FALSE where axis[0] has no direction.
 */
 PetscBool MpmAxesComplete(PetscInt dim, PetscReal (*axis)[MPM_MAX_DIM]);

@@ -20,7 +20,7 @@
 
 static const char *const columns[COMPONENTS] = {"ux", "uy", "uz", "rx", "ry", "rz"};
 
-/* Has the plane this component? */
+/* True where the plane has this component. */
 static PetscBool InPlane(PetscInt dim, PetscInt component)
 {
   return (PetscBool)(dim == 3 || component < 2 || component == COMPONENTS - 1);

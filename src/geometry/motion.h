@@ -20,7 +20,7 @@ typedef struct {
   `growth` what the owner has read of it.
 */
 PetscErrorCode MpmMotionRead(const MpmOptions *block, PetscInt dim, MpmMotion *motion);
-/* Does it move at any time? */
+/* True where it moves at any time. */
 PetscBool      MpmMotionMoves(const MpmMotion *motion);
 MpmPose        MpmMotionPose(const MpmMotion *motion, PetscReal time);
 PetscErrorCode MpmMotionDestroy(MpmMotion *motion);

@@ -2,8 +2,8 @@
   The nearest of many things, by Embree (https://www.embree.org; Wald et al. 2014, doi:10.1145/2601097.2601199).
 
   Boxes and places are scaled to about 1 and rounded to single precision, boxes outwards. A place is off by its rounding
-  then, and its squared distance from a box by a few more in the last digit: the radius of the search is that of the best
-  thing so far, enlarged by both.
+  then, and its squared distance from a box by a few more in the last digit. The radius of the search is that of the
+  best thing so far, enlarged by both.
 */
 #include "geometry/nearest.h"
 

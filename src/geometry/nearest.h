@@ -12,7 +12,7 @@ typedef struct _p_MpmNearest *MpmNearest;
 /* The square of a thing's distance from x. */
 typedef PetscReal (*MpmNearestSquare)(const void *ctx, PetscInt thing, const PetscReal x[MPM_MAX_DIM]);
 
-/* Does this build have Embree? */
+/* True where this build has Embree. */
 PetscBool MpmNearestSupported(void);
 /* Boxes: lower and upper corner, six numbers each. Not collective. */
 PetscErrorCode MpmNearestCreate(PetscInt count, const PetscReal boxes[], MpmNearest *nearest);

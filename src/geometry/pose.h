@@ -14,9 +14,9 @@ typedef struct {
   PetscReal rotation[MPM_MAX_DIM][MPM_MAX_DIM], pivot[MPM_MAX_DIM]; /* where turned */
 } MpmPose;
 
-/* Turns a pose by a rotation vector (its axis, as long as the angle in radians) about the pivot; 0 leaves it unturned. */
+/* Turns a pose by a rotation vector (its length the angle in radians) about the pivot; 0 for no turn. */
 void MpmPoseSetRotation(MpmPose *pose, const PetscReal pivot[MPM_MAX_DIM], const PetscReal vector[MPM_MAX_DIM]);
-/* Where the place x, which is fixed to a thing that stands at `before`, stands at `after`. Growth carries nothing along. */
+/* Place at `after` of a place x fixed to a body that stands at `before`. Growth carries nothing along. */
 void MpmPoseCarry(PetscInt dim, const MpmPose *before, const MpmPose *after, const PetscReal x[], PetscReal y[]);
-/* What a vector that is fixed to the thing becomes: w = R_after R_before^T v; w may be v. */
+/* Vector at `after` of a vector v fixed to the body at `before`: w = R_after R_before^T v; w may be v. */
 void MpmPoseTurn(PetscInt dim, const MpmPose *before, const MpmPose *after, const PetscReal v[], PetscReal w[]);

@@ -1,8 +1,8 @@
 /*
   MpmRamp - a piecewise linear factor of time from "time:factor" pairs, constant before the first and after the last.
 
-  Two pairs at one time make a jump; at that very time the later pair counts. So "0:0,1:0,1:1" is 0 until just before 1,
-  and 1 at 1.
+  Two pairs at one time make a jump; at that very time the later pair counts. Thus "0:0,1:0,1:1" is 0 until just before
+  1, and 1 at 1.
 */
 #include "options/options.h"
 #include "io/csv_table.h"
@@ -208,7 +208,7 @@ static PetscErrorCode CheckTimes(const PetscReal time[], PetscInt rows, PetscBoo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a file says, on the rank that reads it. */
+/* Reads the ramp from a file, on one rank. */
 static PetscErrorCode TakeTable(const char *path, PetscBool record, MpmRamp ramp, char message[MPM_CSV_MESSAGE])
 {
   MpmCsvTable table = {0};

@@ -1,18 +1,18 @@
 /*
-  MpmRegion - a part of space, read from the options of a block.
+  MpmRegion - a region of space, read from the options of a block.
 
     region    all (default) | box | sphere | cylinder | polygon | file (of points, which the block's owner reads)
     box       lower, upper: corners; equal ones make a plane, a line or a point
     sphere    center, radius; a disc in 2D
-    cylinder  3D only: point, axis (any length, default 0,0,1), radius, length (along the axis from the point; without
-              it endless both ways)
+    cylinder  3D only: point, axis (any length, default 0,0,1), radius, length (along the axis from the point;
+              endless both ways if absent)
     polygon   vertices: x1,y1,x2,y2,... in order round the boundary, closed by itself; in 3D a prism along z, from
               lower_z to upper_z where they are given
 
-  Of each, clip_lower and clip_upper, where they are given, leave what lies between these corners: an octant of a sphere.
+  All of them are cut to the box from clip_lower to clip_upper, where these are given: an octant of a sphere.
 
-  A place within the tolerance of the edge counts as inside. The tolerance is one length per axis; at an angle it is
-  what the ellipsoid with these semi-axes reaches.
+  A place within the tolerance of the edge counts as inside. The tolerance is one length per axis; at an angle it is the
+  reach of the ellipsoid with these semi-axes.
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
@@ -130,7 +130,7 @@ static PetscReal Cross(const PetscReal a[2], const PetscReal b[2], const PetscRe
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/* Is c, known to be in line with a and b, between them? */
+/* True where c, known to be in line with a and b, is between them. */
 static PetscBool Between(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2])
 {
   return (c[0] >= PetscMin(a[0], b[0]) && c[0] <= PetscMax(a[0], b[0]) && c[1] >= PetscMin(a[1], b[1]) &&
@@ -139,7 +139,7 @@ static PetscBool Between(const PetscReal a[2], const PetscReal b[2], const Petsc
            : PETSC_FALSE;
 }
 
-/* Do the closed segments ab and cd have a point in common? */
+/* True where the closed segments ab and cd have a point in common. */
 static PetscBool SegmentsMeet(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2], const PetscReal d[2])
 {
   const PetscReal abc = Cross(a, b, c), abd = Cross(a, b, d), cda = Cross(c, d, a), cdb = Cross(c, d, b);
@@ -151,7 +151,7 @@ static PetscBool SegmentsMeet(const PetscReal a[2], const PetscReal b[2], const 
   return PETSC_FALSE;
 }
 
-/* Does the boundary turn straight back at vertex b, on its way from a to c? */
+/* True where the boundary turns straight back at vertex b, on its way from a to c. */
 static PetscBool IsSpike(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2])
 {
   const PetscReal dot = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]);
@@ -486,7 +486,7 @@ typedef struct {
   PetscReal        depth, normal[MPM_REGION_DIM];
 } Cut;
 
-/* Would the next box on some axis have its middle beyond the surface? */
+/* Keeps the cut if the middle of the next box on some axis is beyond the surface, and it is the nearest so far. */
 static void Nearer(MpmRegion region, const PetscReal normal[], PetscReal depth, PetscBool straight, Cut *cut)
 {
   PetscReal reach = 0., across = 1.;

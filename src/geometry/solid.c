@@ -1,14 +1,14 @@
 /*
-  The shapes of rigid things, read from the options of a block.
+  The shapes of rigid bodies, read from the options of a block.
 
     type      plane     point, normal (towards the material)
               box       lower, upper: corners
               sphere    center, radius; a disc in 2D
               cylinder  3D: point, axis (any length, default 0,0,1), radius; endless
-              cone      tip, axis (from the tip; default 0,1 or 0,0,1), angle at the tip (default 60 degrees), radius of the
-                        endless shaft above; a wedge in 2D
+              cone      tip, axis (from the tip; default 0,1 or 0,0,1), angle at the tip (default 60 degrees),
+                        radius of the endless shaft above; a wedge in 2D
               polygon   2D: vertices x1,y1,x2,y2,... in order round it
-              stl       3D: file, scale (m in the file's unit, default 1), origin (where the file's stands, default 0,0,0)
+              stl       3D: file, scale (m in the file's unit, default 1), origin (of the file; default 0,0,0)
     side      of all but a plane, on which the material is: outside (default) or inside
 */
 #include "options/options.h"
@@ -21,7 +21,7 @@
 
 static const char *const types[] = {"plane", "box", "sphere", "cylinder", "cone", "polygon", "stl", NULL};
 
-/* Is this an option of the type, or of one of two? With -help, all are. */
+/* True for an option of the type, or of one of two. With -help, all are. */
 static PetscBool Has(const MpmSolid *solid, MpmSolidType type, MpmSolidType other)
 {
   return (PetscBool)(MpmOptionsHelp() || solid->type == type || solid->type == other);

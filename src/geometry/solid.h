@@ -37,9 +37,9 @@ PetscErrorCode MpmSolidRead(const MpmOptions *block, PetscInt dim, MpmSolid *sol
 PetscErrorCode MpmSolidDestroy(MpmSolid *solid);
 /* Its point, centre or tip; the centroid of a polygon or of what triangles enclose. */
 void MpmSolidMiddle(const MpmSolid *solid, PetscReal middle[MPM_MAX_DIM]);
-/* Can its radius grow? */
+/* True where its radius can grow. */
 PetscBool MpmSolidIsRound(const MpmSolid *solid);
-/* At a place x, with the radius grown by this much. On edges and axes, where the gradient jumps, one side's is given. */
+/* At a place x, with the radius grown by this much. On edges and axes, where the gradient jumps: that of one side. */
 void MpmSolidDistance(const MpmSolid *solid, PetscReal growth, const PetscReal x[], MpmSurface *surface);
-/* Is it made of flat faces? */
+/* True where it consists of flat faces. */
 PetscBool MpmSolidHasFaces(const MpmSolid *solid);

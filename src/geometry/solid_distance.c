@@ -8,7 +8,7 @@
 
 #define STRAIGHT 1e-9  /* sine of the angle between two edges that are one */
 #define NOISE    1e-15 /* of a place's distance from an axis, over that from a point of the axis */
-#define TIE      1e-10 /* of sizes: what is as near by so much is as near, and the first counts, whatever rounding says */
+#define TIE      1e-10 /* of sizes: smaller differences of distance are ties, of which the first counts */
 
 /* The part of r across an axis, and its part along; what is rounding alone is nothing. */
 static PetscReal SplitAlong(PetscInt dim, const PetscReal axis[], PetscReal r[])
@@ -28,9 +28,9 @@ static PetscReal SplitAlong(PetscInt dim, const PetscReal axis[], PetscReal r[])
 /* ---- box ---- */
 
 /*
-  With q = |x - centre| - half lengths: outside, the distance from the nearest place of a face (one q > 0), an edge (two)
-  or a corner, round the latter two; inside, the nearest face counts. A symmetric load puts places on the diagonals inside and on the edges:
-  there rounding must not choose, for it is another one on other ranks.
+  With q = |x - centre| - half lengths: outside, the distance from the nearest place of a face (one q > 0), an edge
+  (two) or a corner, round the latter two; inside, the nearest face counts. A symmetric load puts places on the
+  diagonals inside and on the edges: rounding must not choose there, since it differs between ranks.
 */
 static void BoxDistance(const MpmSolid *solid, const PetscReal r[], MpmSurface *surface)
 {
@@ -59,14 +59,15 @@ static void BoxDistance(const MpmSolid *solid, const PetscReal r[], MpmSurface *
 
 /* ---- cone ---- */
 
-/* What is nearest in the plane through the axis: a tip, the flank, the shoulder where the shaft begins, the shaft. */
+/* The nearest feature in the plane through the axis: the tip, the flank, the shoulder where the shaft begins, the
+   shaft. */
 typedef struct {
   PetscReal distance, across, along, curvature; /* the gradient's parts; curvature in this plane */
 } Profile;
 
 /*
-  The profile in (rho, s), distance from the axis and along it from the tip: a flank from (0, 0) to (R, H), then a shaft of
-  radius R. It is convex: inside, the nearer of flank and shaft counts; outside, corners are round.
+  The profile in (rho, s), distance from the axis and along it from the tip: a flank from (0, 0) to (R, H), then a shaft
+  of radius R. The profile is convex: inside, the nearer of flank and shaft counts; outside, corners are round.
 */
 static Profile ConeProfile(const MpmSolid *solid, PetscReal rho, PetscReal s)
 {
@@ -88,12 +89,12 @@ static Profile ConeProfile(const MpmSolid *solid, PetscReal rho, PetscReal s)
 }
 
 /*
-  A cone with a shaft above, endless; in 2D a wedge. With the profile's distance d(rho, s), e the direction away from the
-  axis, a the axis and, in 3D, t the direction round it:
+  A cone with a shaft above, endless; in 2D a wedge. With the profile's distance d(rho, s), e the direction away from
+  the axis, a the axis and, in 3D, t the direction round it:
 
     grad d = d_rho e + d_s a ,   second derivative = curvature (I - n n^T) in the plane of e and a + d_rho/rho t t^T .
 
-  On the axis d_rho/rho is the curvature below the tip, and taken for 0 within.
+  On the axis d_rho/rho is the curvature below the tip, and 0 within.
 */
 static void ConeDistance(const MpmSolid *solid, PetscReal r[], MpmSurface *surface)
 {
@@ -120,7 +121,7 @@ static void ConeDistance(const MpmSolid *solid, PetscReal r[], MpmSurface *surfa
 
 /* ---- polygon ---- */
 
-/* Is the place inside the polygon? Edges cross the ray from it along +x. */
+/* True where the place is inside the polygon: an odd number of edges cross the ray from it along +x. */
 static PetscBool InPolygon(PetscInt n, const PetscReal v[], const PetscReal x[])
 {
   PetscBool inside = PETSC_FALSE;

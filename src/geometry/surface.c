@@ -3,7 +3,7 @@
 */
 #include "geometry/surface.h"
 
-/* The unit vector along the axis of coordinates that is nearest to a right angle to the line, put at right angles to it. */
+/* The unit vector along the coordinate axis most nearly at right angles to the line, made orthogonal to it. */
 static void ChooseAcross(PetscInt dim, const PetscReal *along, PetscReal normal[])
 {
   PetscInt  least = 0;

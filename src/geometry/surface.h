@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What a point of the material sees of a surface.
+  Geometry of a surface as seen from a point of the material.
 */
 #include "base/base.h"
 

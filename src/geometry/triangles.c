@@ -1,9 +1,10 @@
 /*
   Distance from a closed surface of triangles.
 
-  The nearest place of the surface is within a triangle, on an edge or at a vertex. On which side of it x stands, the
-  triangle's normal tells, or the sum of those of the edge's two triangles, or of all at the vertex, each times its angle
-  there (Baerentzen and Aanaes 2005, doi:10.1109/TVCG.2005.49). Whether the surface is one at all: triangles_check.c.
+  The nearest place of the surface is within a triangle, on an edge or at a vertex. The side of x follows from the
+  triangle's normal, from the sum of those of the edge's two triangles, or from that of all at the vertex, each times
+  its angle there (Baerentzen and Aanaes 2005, doi:10.1109/TVCG.2005.49). triangles_check.c verifies that the surface is
+  closed.
 */
 #include "geometry/triangles.h"
 #include "geometry/triangles_impl.h"
@@ -119,7 +120,7 @@ void MpmTrianglesCentroid(MpmTriangles triangles, PetscReal centroid[MPM_MAX_DIM
 
 typedef enum { FACE, EDGE, VERTEX } Kind;
 
-/* The nearest place of a triangle: of its face, on an edge or at the vertex where that edge begins; r leads from it to x. */
+/* The nearest place of a triangle: of its face, on an edge or at the vertex where that edge begins; r from it to x. */
 typedef struct {
   Kind      kind;
   PetscInt  half;
@@ -179,7 +180,7 @@ static PetscReal SquareOf(const void *ctx, PetscInt t, const PetscReal x[MPM_MAX
 
 /* ---- the surface there ---- */
 
-/* Is this the direction of the triangle's normal, either way? */
+/* True where this is the direction of the triangle's normal, either way. */
 static PetscBool IsNormal(MpmTriangles triangles, PetscInt half, const PetscReal n[])
 {
   PetscReal across[3];
@@ -189,8 +190,8 @@ static PetscBool IsNormal(MpmTriangles triangles, PetscInt half, const PetscReal
 }
 
 /*
-  What is round at an edge or a vertex, for a place in the direction n: 0 directions (the place stands above a face as
-  well), 1 (round an edge, whose direction is given) or 2 (round the vertex).
+  Round directions at an edge or a vertex, for a place in the direction n: 0 (the place stands above a face as well), 1
+  (round an edge, whose direction is returned) or 2 (round the vertex).
 */
 static PetscInt Roundness(MpmTriangles triangles, const Place *place, const PetscReal n[], PetscReal along[])
 {

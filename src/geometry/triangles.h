@@ -8,14 +8,14 @@
 
 typedef struct _p_MpmTriangles *MpmTriangles;
 
-/* Does this build have the library that searches them? */
+/* True where this build has the library that searches them. */
 PetscBool MpmTrianglesSupported(void);
 
 #define MPM_TRIANGLES_MESSAGE 512
 /*@
-  MpmTrianglesCreate - make a closed surface of triangles, and what its distances need
+  MpmTrianglesCreate - make a closed surface of triangles, and the data of its distances
 
-  Not collective; given the same triangles, all ranks come to the same
+  Not collective; with equal triangles all ranks have equal results
 
   Input Parameters:
 + count   - number of triangles
@@ -23,13 +23,12 @@ PetscBool MpmTrianglesSupported(void);
 
   Output Parameters:
 + triangles - the surface
-- message   - what is wrong with it, naming triangle and places; left as it is, MPM_TRIANGLES_MESSAGE bytes, if nothing is
+- message   - a fault, naming triangle and places; MPM_TRIANGLES_MESSAGE bytes, left as they are without a fault
 
-  Notes:
-  Corners are one vertex where their coordinates are equal. Refused are: a triangle without area; an edge that belongs to
-  one triangle (the surface is open), to two that disagree about the outside, or to more; a vertex where parts of the
-  surface touch; and a closed part whose inside is not the inside of the whole (turned inside out, or within another part;
-  a cavity is fine). Triangles that cross one another are not looked for.
+  Notes: Corners are one vertex where their coordinates are equal. Refused are: a triangle without area; an edge that
+  belongs to one triangle (the surface is open), to two that disagree about the outside, or to more; a vertex where
+  parts of the surface touch; and a closed part whose inside is not the inside of the whole (turned inside out, or
+  within another part; a cavity is fine). Triangles that cross one another are not detected.
 @*/
 PetscErrorCode MpmTrianglesCreate(PetscInt count, const PetscReal corners[], MpmTriangles *triangles, char message[]);
 PetscErrorCode MpmTrianglesDestroy(MpmTriangles *triangles);

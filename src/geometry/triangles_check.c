@@ -100,7 +100,7 @@ static int CompareSides(const void *a, const void *b)
   return (p->half > q->half) - (p->half < q->half);
 }
 
-/* What is wrong with an edge that is not of two triangles in opposite directions. */
+/* Message about an edge that is not of two triangles in opposite directions. */
 static PetscErrorCode ComplainOfEdge(MpmTriangles triangles, const Side side[], PetscInt count, char message[])
 {
   const PetscInt one = side[0].half / 3 + 1, other = side[count > 1].half / 3 + 1;
@@ -196,8 +196,8 @@ static PetscReal SolidAngle(MpmTriangles triangles, PetscInt t, const PetscReal 
 }
 
 /*
-  The surface must wind once about what is just inside of triangle t and not at all about what is just outside: 1/2 about
-  its middle, where t itself counts for nothing.
+  The winding number must be one just inside of triangle t and zero just outside: 1/2 about its middle, where t itself
+  does not count.
 */
 static PetscErrorCode CheckPart(MpmTriangles triangles, PetscInt t, char message[])
 {

@@ -1,9 +1,9 @@
 #pragma once
 /*
-  What triangles.c and triangles_check.c share: vertices and half-edges.
+  Shared by triangles.c and triangles_check.c: vertices and half-edges.
 
-  A half-edge h runs from corner h to the next corner of triangle h/3, counterclockwise as seen from outside; its twin is
-  the same edge in the neighbouring triangle, in the other direction.
+  A half-edge h runs from corner h to the next corner of triangle h/3, counterclockwise as seen from outside; its twin
+  is that edge in the neighbouring triangle, in the other direction.
 */
 #include "geometry/nearest.h"
 #include "geometry/triangles.h"

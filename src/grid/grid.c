@@ -2,8 +2,8 @@
   The background grid: a regular lattice, shared out to the ranks by planes between its nodes.
 
   Splits nest: the first divides the lattice among two halves of the ranks, the next ones divide each part again, across
-  whichever axis balances its points best (Berger and Bokhari 1987, doi:10.1109/TC.1987.1676942). So the parts are
-  boxes, of any number of ranks, and follow the points also where a product of splits per axis could not: along a slope,
+  whichever axis balances its points best (Berger and Bokhari 1987, doi:10.1109/TC.1987.1676942). The parts are
+  therefore boxes, of any number of ranks. Unlike a product of splits per axis they also follow points along a slope,
   for instance. Where a layer of cells holds too much for that, the split passes through it with a step.
 */
 #include "options/options.h"
@@ -13,7 +13,7 @@
 /* Points on the fullest rank over their mean from which on to look for other splits: one look costs some hundredth of a
    step's work on the points (scripts/bench.py balance). */
 #define BALANCE 1.05
-/* What a point beside a split costs, in points; from which excess of the fuller side on a split has a step. */
+/* cost of a point beside a split, in points; excess of the fuller side from which a split has a step */
 #define BESIDE_CUT 0.25
 #define STEP_FROM  1.02
 
@@ -112,8 +112,8 @@ static inline PetscBool IsBelow(const MpmSplit *split, const PetscInt node[])
 }
 
 /*
-  The part below a split goes to the lower half of its ranks. Splits stand in preorder: right behind one those of the part
-  below, then those above, one less than there are ranks in each.
+  The part below a split goes to the lower half of its ranks. Splits stand in preorder: first one, then those of the
+  part below, then those above, one less than there are ranks in each.
 */
 PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[])
 {
@@ -158,7 +158,7 @@ PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const Pet
 
 /* ---- partition ---- */
 
-/* A part of the lattice that is yet to be split: a box of cells, upper ones excluded, but for what steps take from it. */
+/* A part of the lattice still to be split: a box of cells, upper ones excluded, without the cells removed by steps. */
 typedef struct {
   PetscMPIInt ranks;
   PetscInt    split; /* into the grid's splits */
@@ -237,8 +237,8 @@ static PetscReal FullerSide(const Part *part, PetscInt64 below)
 }
 
 /*
-  Chooses the plane at which the fuller side has fewest points for a rank; what lies beside the plane counts as well, for
-  it is what ranks have to tell each other.
+  Chooses the plane at which the fuller side has fewest points for a rank. Points beside the plane count as well, since
+  they are exchanged between ranks.
 */
 static void ChoosePlane(PetscInt dim, Part *part, const PetscInt64 histogram[], MpmSplit *split)
 {
@@ -266,8 +266,8 @@ static void ChoosePlane(PetscInt dim, Part *part, const PetscInt64 histogram[], 
 }
 
 /*
-  Where the plane leaves one side too full: the layer that the middle of the points lies in, on the axis on which it holds
-  fewest. Rows are those of the longest other axis. PETSC_FALSE where the plane will do.
+  Where the plane leaves one side too full: the layer with the middle of the points, on the axis on which it holds
+  fewest. Rows are those of the longest other axis. PETSC_FALSE where the plane suffices.
 */
 static PetscBool ChooseLayer(PetscInt dim, Part *part, const PetscInt64 histogram[], MpmSplit *split)
 {
@@ -336,7 +336,7 @@ static void ChooseRow(Part *part, const PetscInt64 histogram[], MpmSplit *split)
   }
 }
 
-/* The two sides of a split that more than one rank shares become parts of the next level; returns how many there are. */
+/* The two sides of a split that more than one rank shares become parts of the next level; returns their number. */
 static PetscInt Divide(const Part *part, const MpmSplit *split, Part next[], PetscInt index[2], PetscInt first)
 {
   const PetscMPIInt below = part->ranks / 2, ranks[2] = {below, part->ranks - below};

@@ -8,8 +8,8 @@
 #define MPM_GRID_SLACK 1e-9 /* of a cell: by so much a point may be outside of the grid, from rounding */
 
 /*
-  The background grid: a regular lattice of cells, never stored. Its nodes belong to the ranks by nested splits, which
-  follow the points. It may be placed anew between steps; conditions on nodes and walls go with the lattice.
+  The background grid: a regular lattice of cells, never stored. Nested splits, which follow the points, distribute its
+  nodes to the ranks. The lattice may be placed anew between steps; conditions on nodes and walls go with it.
 */
 typedef struct MpmGrid {
   MPI_Comm    comm;
@@ -35,15 +35,15 @@ void MpmGridNodeAtStart(const MpmGrid *grid, const PetscInt node[], PetscReal st
 /* The rank that owns a node, given its index on each axis; any node has an owner. */
 PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[]);
 /*
-  The ranks that own nodes of a box, both corners included, ascending, and few others beside steps in the splits; returns
-  how many. Room for grid->size.
+  The ranks that own nodes of a box, both corners included, ascending, and few others beside steps in the splits;
+  returns their number. Room for grid->size.
 */
 PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const PetscInt upper[], PetscMPIInt owner[]);
 /* The cell that holds a place (a point on a face belongs to the upper cell, except at the grid's upper edge). */
 void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[]);
 /*
-  Appends copies of other ranks' records to the own ones. boxes[k] holds the lower and the upper node, three indices
-  each, of the box about record k: it goes to all ranks that own nodes of it. Records are of `size` bytes, whole integers, and are
-  reallocated. Collective.
+  Appends copies of other ranks' records to the own ones. boxes[k] has the lower and the upper node, three indices each,
+  of the box about record k, which goes to all ranks that own nodes of it. Records are of `size` bytes, whole integers,
+  and are reallocated. Collective.
 */
 PetscErrorCode MpmGridShare(const MpmGrid *grid, size_t size, const PetscInt boxes[], PetscInt *count, void **records);

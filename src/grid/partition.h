@@ -15,8 +15,8 @@ typedef struct MpmSplit {
 } MpmSplit;
 
 /*
-  A new partition of the lattice for these points (dim coordinates each). The splits are taken when they are the first ones, or when
-  the fullest rank would hold at most `worth` points.
+  A new partition of the lattice for these points (dim coordinates each). The splits are accepted when they are the
+  first ones, or when the fullest rank would have at most `worth` points.
 */
 PetscErrorCode MpmGridPartition(MpmGrid *grid, PetscInt count, const PetscReal x[], PetscReal worth, PetscBool *taken);
 /* The splits as numbers (free them), and back where they are for as many ranks as there are. */

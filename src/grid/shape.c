@@ -143,7 +143,7 @@ static inline void AddPiece(PetscInt degree, PetscReal f, PetscReal w[], PetscRe
   }
 }
 
-/* What a segment adds: of the polynomials there, or, for `whole`, of their means over the interval. */
+/* Contribution of a segment: of the polynomials there, or, for `whole`, of their means over the interval. */
 MPM_INLINE void AddPart(PetscInt degree, PetscBool whole, PetscReal t, PetscReal s, PetscReal f, PetscReal w[],
                         PetscReal g[])
 {
@@ -152,9 +152,10 @@ MPM_INLINE void AddPart(PetscInt degree, PetscBool whole, PetscReal t, PetscReal
 }
 
 /*
-  Averages over [-l, l] about the point; returns how many nodes from *first on were filled. An interval that the domain
-  enters by less than MPM_SHAPE_TOUCH of its length is not entered: the interval before it is taken to reach that far, as at an edge.
-  A body whose faces lie on cell faces would otherwise, by rounding, touch nodes that have no stiffness.
+  Averages over [-l, l] about the point; returns the number of nodes from *first on that were filled. An interval that
+  the domain enters by less than MPM_SHAPE_TOUCH of its length does not count: the interval before it is taken to reach
+  that far, as at an edge. A body whose faces lie on cell faces would otherwise, by rounding, touch nodes that have no
+  stiffness.
 */
 MPM_INLINE PetscInt AddDomain(PetscInt degree, PetscBool whole, Interval at, PetscReal l, PetscInt *first,
                               PetscReal w[], PetscReal g[])
@@ -190,9 +191,9 @@ MPM_INLINE PetscInt AddDomain(PetscInt degree, PetscBool whole, Interval at, Pet
 }
 
 /*
-  A not-a-knot end has the coefficients of the nodes one beyond it and on it from the edge's value and the p nodes after it:
-  the two that make the (p + 1)-th difference over the nodes from the one beyond vanish, which removes the knot next to
-  the edge, and give the edge node the spline's value there. By p - 2, then beyond and on.
+  Coefficients at a not-a-knot end of the nodes one beyond it and on it, from the edge's value and the p nodes after it:
+  the (p + 1)-th difference over the nodes from the one beyond vanishes, which removes the knot next to the edge, and
+  the edge node has the spline's value there. By p - 2, then beyond and on.
 */
 static const PetscReal open_edge[2][2][4] = {
   {{8. / 3., -7. / 3., 2. / 3.}, {8. / 9., 2. / 9., -1. / 9.}},
@@ -283,9 +284,9 @@ static inline void TrimEnds(MpmShapeLine *line)
 }
 
 /*
-  A point's place in its interval. On an edge, and of points without a domain with linear functions on any knot, a node has a gradient and
-  no weight: a share in the strain, and no mass to move with the point. Points there lie inside the interval by a rounding error: the mean
-  velocity of such a node is that of its points, as in the limit from inside.
+  A point's place in its interval. On an edge, and for points without a domain with linear functions on any knot, a node
+  has a gradient and no weight: a share in the strain, and no mass to move with the point. Points there lie inside the
+  interval by a rounding error: the mean velocity of such a node is that of its points, as in the limit from inside.
 */
 static inline PetscReal Inside(PetscInt degree, Interval at, PetscReal l)
 {
@@ -297,8 +298,8 @@ static inline PetscReal Inside(PetscInt degree, Interval at, PetscReal l)
 }
 
 /*
-  The weights, or with `whole` their means over pieces, of all nodes of the intervals that the domain touches. Inlined with a constant
-  degree, so that each shape gets its own straight-line code.
+  The weights, or with `whole` their means over knot spans, of all nodes of the intervals that the domain touches.
+  Inlined with a constant degree, so that each shape gets its own straight-line code.
 */
 MPM_INLINE void Touch(PetscInt degree, PetscBool whole, MpmEdgeType edge, Interval at, PetscReal l, MpmShapeLine *line)
 {
@@ -329,7 +330,7 @@ static void EvaluateSmooth(PetscInt degree, MpmEdgeType edge, Interval at, Petsc
   }
 }
 
-/* That of the k-th of many. */
+/* The smoothed weights of the k-th point and axis of an array. */
 static void EvaluateSmoothLine(PetscInt degree, MpmEdgeType edge, Interval at, PetscReal l, PetscInt k,
                                const MpmShapeLines *lines)
 {

@@ -1,11 +1,12 @@
 #pragma once
 /*
-  Shape functions: one-dimensional weights and gradients of a material point on a regular grid; tensor products make 2D and
-  3D.
+  Shape functions: one-dimensional weights and gradients of a material point on a regular grid; tensor products make 2D
+  and 3D.
 
-  One formula serves every shape: the basis is the cardinal B-spline of degree p (1: linear basis functions, 2, 3), evaluated at the point
-  or averaged over the point's domain [x - l, x + l]. Averages are taken knot interval by knot interval, so that they
-  are exact for any l, keep a partition of unity to rounding, and need no case distinction on l/h.
+  One formula serves every shape: the basis is the cardinal B-spline of degree p (1: linear basis functions, 2, 3),
+  evaluated at the point or averaged over the point's domain [x - l, x + l]. Averages are taken knot interval by knot
+  interval, so that they are exact for any l, keep a partition of unity to rounding, and need no case distinction on
+  l/h.
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -13,7 +14,7 @@
 /* Names of MpmShapeType and MpmEdgeType (base/types.h) */
 extern const char *const MpmShapeTypes[], *const MpmEdgeTypes[];
 
-/* Does the shape average over the point's domain, so that domains must be followed? */
+/* True where the shape averages over the point's domain, so that domains must be followed. */
 PetscBool MpmShapeHasDomain(MpmShapeType type);
 /* Degree of the grid's spline: 1 for linear basis functions, under GIMP too. */
 PetscInt MpmShapeDegree(MpmShapeType type);
@@ -23,10 +24,10 @@ MpmShapeType MpmShapeOfDegree(MpmShapeType type, PetscInt degree);
 /* Nodes that a point touches on one axis at most, for domains of half-length up to half_length (in cells). */
 PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length);
 
-/* What an edge of a spline of this degree is where so many cells lie between it and the next: not-a-knot ends need more of
-   them than the degree. */
+/* The edge of a spline of this degree where so many cells lie between it and the next: not-a-knot ends need more cells
+   than the degree. */
 MpmEdgeType MpmEdgeOf(MpmEdgeType edge, PetscInt degree, PetscInt cells);
-/* What the k-th node from an edge inwards (0: on it) gets of the coefficient of the node on it (beyond 0) or of the one
+/* Share of the k-th node from an edge inwards (0: on it) in the coefficient of the node on it (beyond 0) or of the one
    beyond it (1), for a spline of degree 2 or 3; k up to the degree. */
 PetscReal MpmEdgeCoefficient(MpmEdgeType edge, PetscInt degree, PetscInt beyond, PetscInt k);
 
@@ -55,16 +56,17 @@ typedef struct {
 + type        - the shape
 . edge        - how splines end at the edges
 . xi          - the point, (x - lower)/h: node i stands at xi = i
-. half_length - half the length of the point's domain over h; ignored by shapes without a domain; the caller has clipped it
-                so that the domain stays between the edges
+. half_length - half the length of the point's domain over h, clipped by the caller to stay between the edges; unused by
+                shapes without a domain
 . edge_lower  - first node of the axis, or of the wall that bounds the material
 - edge_upper  - last node
 
   Output Parameter:
 . line - the nodes, and their weights in arrays of the caller's: room for MpmShapeWidth() of them; `smooth` is input
 
-  With `smooth` the weights and gradients that make a displacement's gradient are those of the point and, so much of them, the means over
-  the spline's pieces (the cells, for even degrees the cells around nodes) in which the domain lies. Linear fields keep their gradients.
+  With `smooth` the weights and gradients of a displacement's gradient are a mean: 1 - smooth times those of the point,
+  plus smooth times the means over the spline's knot spans (the cells, for even degrees the cells around nodes) in which
+  the domain lies. Linear fields keep their gradients.
 
   Nodes beyond the edges do not exist. With MPM_EDGE_LINEAR their coefficients are the linear extension u_{-k} = 2 u_0 -
   u_k. With either type the edge node carries the edge's value to rounding, and a linear field has its nodal values as
@@ -72,7 +74,7 @@ typedef struct {
 */
 void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
                       PetscInt edge_upper, MpmShapeLine *line);
-/* That for many points and axes: the arguments, and what becomes of them, in arrays. */
+/* Arguments and results of MpmShapeEvaluate() for many points and axes, in arrays. */
 typedef struct {
   const PetscReal *xi, *half_length;
   const PetscInt  *edge_lower, *edge_upper;
@@ -87,14 +89,14 @@ typedef struct {
 void MpmShapeEvaluateAll(MpmShapeType type, MpmEdgeType edge, PetscInt count, const MpmShapePlaces *at,
                          const MpmShapeLines *lines);
 /*
-  The weights at xi + by of the polynomials that hold in the knot interval of xi, also where they do not hold any more; domains are
-  left out of account.
+  The weights at xi + by of the polynomials of the knot interval of xi, also beyond that interval; domains are left out
+  of account.
 */
 void MpmShapeExtend(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal by, PetscInt edge_lower,
                     PetscInt edge_upper, MpmShapeLine *line);
 /*
-  The means over the cell of what the nodes of a line carry that MpmShapeEvaluate() has made (shape_mean.c); where the domain
-  lies in several cells, its part in each counts. Arguments as above.
+  Means over the cell of the nodal weights of a line from MpmShapeEvaluate() (shape_mean.c); where the domain lies in
+  several cells, each counts by its share. Arguments as above.
 */
 void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
                   PetscInt edge_upper, const MpmShapeLine *line);

@@ -1,10 +1,10 @@
 /*
   Means of shape functions over cells.
 
-    mean_i = sum_c f_c (1/h) int_c N_i dx ,   f_c the part of the point's domain that lies in cell c
+    mean_i = sum_c f_c (1/h) int_c N_i dx ,   f_c the fraction of the point's domain in cell c
 
-  A piecewise polynomial of degree 3 at most, with knots at the ends or in the middle of a cell, is integrated exactly by
-  two Gauss points in each half.
+  A piecewise polynomial of degree 3 at most, with knots at the ends or in the middle of a cell, is integrated exactly
+  by two Gauss points in each half.
 */
 #include <math.h>
 #include "grid/shape.h"

@@ -79,7 +79,7 @@ static int HashShare(const char *path, PetscInt64 size, PetscMPIInt rank, PetscM
   return status;
 }
 
-/* The hash of a file with this head, in which the hash itself is zero; `read`: could it be read? Collective. */
+/* Hash of a file with this head, in which the hash itself is zero; `read`: false where reading failed. Collective. */
 static PetscErrorCode HashFile(MPI_Comm comm, const char *path, PetscInt64 bytes, PetscInt64 collective,
                                const char text[MPM_CHECKPOINT_HEAD], uint64_t *hash, PetscBool *read)
 {
@@ -231,7 +231,7 @@ PetscErrorCode MpmCheckpointList(MPI_Comm comm, const char *prefix, PetscInt *co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What is there becomes an older checkpoint, where it belongs to this run. There is never a moment without a newest one. */
+/* The newest checkpoint becomes an older one, where it belongs to this run; a newest one exists at any moment. */
 static PetscErrorCode KeepOlder(const char *prefix, const char *path, const MpmCheckpointHead *head, PetscInt keep)
 {
   MpmCheckpointHead old;

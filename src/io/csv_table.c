@@ -27,7 +27,7 @@ typedef struct {
 #define BLANKS     " \t\r\n"
 #define BAD_QUOTES "line %lld: quotes that do not close, or text behind them"
 
-/* Takes a word out of its quotes, in place; returns the rest of the line, NULL where the quotes do not close. */
+/* Takes a word out of its quotes, in place; returns the remaining line, NULL where the quotes do not close. */
 static char *Unquote(char *begin)
 {
   char *to = begin, *from = begin + 1;
@@ -42,8 +42,8 @@ static char *Unquote(char *begin)
 }
 
 /*
-  Takes a word off the line, blanks around it dropped; NULL for one whose quotes are at fault. Returns the rest, or
-  NULL.
+  Takes a word off the line, blanks around it dropped; NULL for one whose quotes are at fault. Returns the remaining
+  line, or NULL.
 */
 static char *TakeWord(char *begin, char separator, char **word)
 {
@@ -144,7 +144,7 @@ static PetscBool IsNumber(const char *word)
   return (PetscBool)(end != word && !*end);
 }
 
-/* What is wrong with the names: one that is empty or there twice, or numbers in their place. */
+/* Faults of the names: an empty or repeated one, or numbers in their place. */
 static PetscErrorCode CheckNames(const MpmCsvTable *table, long long number, char message[MPM_CSV_MESSAGE])
 {
   PetscInt numbers = 0;
@@ -192,7 +192,7 @@ static PetscErrorCode TakeNames(MpmCsvTable *table, Form *form, char *line, long
 
 /* ---- files ---- */
 
-/* What is no text: UTF-16, or a byte of value 0, behind which a string would end. */
+/* Faults of a text: UTF-16, or a byte of value 0, which would end a string. */
 static const char *TextFault(const char *text, size_t length)
 {
   if (length > 1 && (!memcmp(text, "\xFF\xFE", 2) || !memcmp(text, "\xFE\xFF", 2)))

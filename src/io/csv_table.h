@@ -14,9 +14,9 @@ typedef struct {
 } MpmCsvTable;
 
 #define MPM_CSV_MESSAGE 512
-/* Not collective. What is wrong with the file goes into `message`, which stays as it is where nothing is. */
+/* Not collective. A fault of the file goes into `message`, which stays as it is where there is none. */
 PetscErrorCode MpmCsvTableRead(const char *path, MpmCsvTable *table, char message[MPM_CSV_MESSAGE]);
-/* The whole file as text, with line feeds at its lines' ends and no byte-order mark; to be freed. The same of `message`. */
+/* The whole file as text, to be freed: line feeds at ends of lines, no byte-order mark; `message` as above. */
 PetscErrorCode MpmTextRead(const char *path, char **text, char message[MPM_CSV_MESSAGE]);
 /* The column of that name, case aside, or -1. */
 PetscInt       MpmCsvTableFind(const MpmCsvTable *table, const char *name);

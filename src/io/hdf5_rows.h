@@ -1,7 +1,7 @@
 #pragma once
 /*
-  HDF5 files: how they are opened, and how the rows of their datasets are read. Not collective. What fails returns a
-  negative id or false, and HDF5 says nothing of it.
+  HDF5 files: opening, and reading of the rows of datasets. Not collective. Failures return a negative id or false,
+  without messages of HDF5.
 */
 #include <hdf5.h>
 #include <petscsys.h>

@@ -108,7 +108,7 @@ PetscErrorCode MpmHistoryCreate(MPI_Comm comm, const char *path, PetscInt column
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is the file still what it was up to the place, with these columns? */
+/* Checks that the file is unchanged up to the place, with these columns. */
 static PetscErrorCode CompareHistory(FILE *file, const MpmHistoryPlace *place, const MpmTextFile *header,
                                      const char **why)
 {
@@ -133,7 +133,7 @@ PetscErrorCode MpmHistoryContinue(MPI_Comm comm, const char *path, PetscInt colu
   static const char *const reasons[] = {NULL, "it is shorter than it was", "it is not what it was",
                                         "it has other columns"};
   PetscMPIInt              rank;
-  int                      answer[3] = {0, 0, 0}; /* is there a file? the reason; errno */
+  int                      answer[3] = {0, 0, 0}; /* the file exists; the reason; errno */
 
   PetscFunctionBeginUser;
   *why = NULL;

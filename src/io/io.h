@@ -1,7 +1,7 @@
 #pragma once
 /*
-  What a run leaves behind: points in HDF5 with an XDMF index, the history as CSV, the account of the run as JSON. These
-  objects know nothing of the model: they are handed names and arrays.
+  Results of a run: points in HDF5 with an XDMF index, the history as CSV, the summary as JSON. These objects are
+  independent of the model: their arguments are names and arrays.
 */
 #include "base/base.h"
 
@@ -9,8 +9,8 @@ typedef struct _p_MpmOutput  *MpmOutput;
 typedef struct _p_MpmHistory *MpmHistory;
 
 /*
-  One dataset: `count` rows on this rank (given to MpmOutputWrite) of `components` numbers each. They stand in `real` or
-  `integer`, or `fill` makes them when they are written, so that not all datasets need memory at once. On a rank without
+  One dataset: `count` rows on this rank (passed to MpmOutputWrite) of `components` numbers each, in `real` or
+  `integer`, or made by `fill` when they are written, so that not all datasets need memory at once. On a rank without
   rows the arrays may be NULL. Six reals are a symmetric tensor: xx, yy, zz, xy, yz, xz.
 */
 typedef struct {
@@ -56,7 +56,7 @@ typedef struct {
   PetscInt          count; /* on this rank, may be 0 */
   const PetscInt   *id;    /* >= 0 and no two alike over all ranks; the rows of each dataset go by ascending id */
   PetscInt          dataset_count;
-  const MpmDataset *datasets; /* what is written besides id */
+  const MpmDataset *datasets; /* datasets besides id */
 } MpmTable;
 
 /* A state as an index describes it. */
@@ -64,7 +64,7 @@ typedef struct {
 typedef struct {
   PetscInt64 rows;                    /* over all ranks */
   size_t     real_size;               /* bytes of a real */
-  PetscBool *integer;                 /* of each dataset: integers or reals? To be freed. */
+  PetscBool *integer;                 /* of each dataset: true for integers, false for reals; to be freed */
   char       numbers[MPM_STATE_PATH]; /* path of a dataset of the numbers of the rows, 0, 1, ... */
 } MpmStateView;
 
@@ -76,16 +76,15 @@ typedef struct {
 
   Collective. A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming the file.
 
-  Viewers are given symmetric tensors with all nine components, by virtual datasets in the group /tensors, which take no
-  room: they refer to the columns of the real ones. A point is a cell whose corner is its row: where ids are not 0, 1, ...
-  (bodies have been removed) the numbers of the rows stand in /rows/<number of rows>, once for all states that have so
-  many.
+  Viewers get symmetric tensors with all nine components, by virtual datasets in the group /tensors, which take no room:
+  they refer to the columns of the real ones. A point is a cell whose corner is its row. Where ids are not 0, 1, ...
+  (bodies have been removed) the numbers of the rows stand in /rows/<number of rows>, once for all states with as many.
 */
 PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, const MpmTable *table, MpmStateView *view);
 
 /*
-  Rows go by ascending id: row[i] becomes the number of ids below id[i], over all ranks; `largest` is the largest of all, 0 where there
-  is none. Collective.
+  Rows go by ascending id: row[i] becomes the number of ids below id[i], over all ranks; `largest` is the largest of
+  all, 0 where there is none. Collective.
 */
 PetscErrorCode MpmNumberRows(MPI_Comm comm, PetscInt count, const PetscInt id[], PetscInt row[], PetscInt *largest);
 
@@ -123,12 +122,12 @@ PetscErrorCode MpmOutputSetBehind(MpmOutput output, PetscReal behind);
 PetscErrorCode MpmOutputSetSingle(MpmOutput output, PetscBool single);
 /* States of at least so many bytes (64 MiB unless told) are written by all ranks together, smaller ones by rank 0. */
 PetscErrorCode MpmOutputSetCollective(MpmOutput output, PetscInt64 bytes);
-/* Does the results file exist? */
+/* True where the results file exists. */
 PetscBool MpmOutputStarted(MpmOutput output);
 /* Lends the name of the HDF5 file, and the indices of points and grids so far, which rank 0 holds. */
 PetscErrorCode MpmOutputGetFiles(MpmOutput output, const char **h5_path, const MpmTextFile **index,
                                  const MpmTextFile **grid_index);
-/* Further states go to the results file that is there; the indices (rank 0) are those up to now, or NULL. Collective. */
+/* Appends further states to an existing results file; the indices (rank 0) are those so far, or NULL. Collective. */
 PetscErrorCode MpmOutputContinue(MpmOutput output, const char *index, const char *grid_index);
 
 /* No rank hands more bytes than this (1 GiB unless told) to HDF5 at once: MPI-IO fails at 2 GiB. */
@@ -142,8 +141,8 @@ PetscErrorCode MpmOutputDestroy(MpmOutput *output);
 */
 PetscErrorCode MpmMarkSet(MPI_Comm comm, const char *path, MpmTextFile *mark);
 /*
-  Without `apply` nothing is done but to look whether it could be. `why` is NULL, or the reason for which the file cannot
-  be rolled back (static text); `there`: is there a file?
+  Without `apply` only the possibility is checked. `why` is NULL, or the reason for which the file cannot be rolled back
+  (static text); `there`: the file exists.
 */
 PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile *mark, PetscBool apply,
                              PetscBool *there, const char **why);
@@ -153,9 +152,9 @@ PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile 
 PetscErrorCode MpmHistoryCreate(MPI_Comm comm, const char *path, PetscInt columns, const char *const names[],
                                 MpmHistory *history);
 /*
-  Where a history stands: its bytes and their hash, on rank 0. The file is on the disk when MpmHistoryMark() returns.
-  MpmHistoryContinue() opens what is there, drops what has been appended since, and goes on; without a file it makes one.
-  `why` is NULL, or the reason for which it cannot be (static text).
+  Place in a history: its bytes and their hash, on rank 0. The file is on the disk when MpmHistoryMark() returns.
+  MpmHistoryContinue() opens an existing file, drops rows appended since, and continues; without a file it makes one.
+  `why` is NULL, or the reason for a failure (static text).
 */
 typedef struct {
   PetscInt64 length, hash;
@@ -180,9 +179,10 @@ typedef struct MpmSummary {
   PetscBool   reduces;          /* strength */
   PetscReal   factor_of_safety; /* 0: not reached */
   PetscBool   relaxes;
-  PetscReal   criteria[2]; /* of the last relaxation: when they held first, and since when; s, -1: they do not */
-  PetscInt    changes[MPM_CHANGE_COUNT]; /* of settings that the run has made by itself */
-  PetscReal   memory_max;                /* bytes, sum over ranks of each rank's maximum resident size */
+  PetscReal
+    criteria[2]; /* of the last relaxation: times when its criteria were met first, and since when; s, -1: never */
+  PetscInt  changes[MPM_CHANGE_COUNT]; /* of settings that the run has made by itself */
+  PetscReal memory_max;                /* bytes, sum over ranks of each rank's maximum resident size */
 } MpmSummary;
 
 /* Makes one account of the ranks' own: times become the maximum over ranks, memory_max the sum of the processes'
@@ -198,10 +198,11 @@ PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *vers
 /* ---- checkpoint_file.c ---- */
 
 /*
-  The files of checkpoints: <prefix>_checkpoint.h5 is the newest, older ones that are kept carry the number of their step.
+  The files of checkpoints: <prefix>_checkpoint.h5 is the newest, older ones that are kept carry the number of their
+  step.
 
-  A checkpoint is an HDF5 file behind a head of 512 bytes of text, which says what it is, how long, and the hash of every
-  byte: nothing of the file is trusted, and HDF5 does not see it, before that hash has been computed again.
+  A checkpoint is an HDF5 file behind a head of 512 bytes of text: format, length, and the hash of every byte. Nothing
+  of the file is trusted, and HDF5 does not see it, before that hash has been computed again.
 */
 
 #define MPM_CHECKPOINT_FORMAT 2
@@ -220,7 +221,8 @@ typedef struct {
 */
 PetscErrorCode MpmCheckpointPublish(MPI_Comm comm, const char *prefix, const char *temporary, MpmCheckpointHead *head,
                                     PetscInt keep, PetscInt64 collective);
-/* Is it whole and of this format? `why` is NULL, or the reason (in `text`) for which it is not. Collective. */
+/* Checks that it is whole and of this format: `why` is NULL, or the reason (in `text`) for which it is not.
+   Collective. */
 PetscErrorCode MpmCheckpointVerify(MPI_Comm comm, const char *path, PetscInt64 collective, MpmCheckpointHead *head,
                                    char text[256], const char **why);
 /* The checkpoints of a prefix, the newest first. Collective; free with MpmNamesDestroy(). */

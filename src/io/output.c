@@ -13,8 +13,8 @@ struct _p_MpmOutput {
   char       *h5_path, *xdmf_path, *grid_path;
   MpmTextFile grids;      /* rank 0: the index of points so far */
   MpmTextFile lattices;   /* and of the background grid */
-  PetscBool   started;    /* do the files exist? */
-  PetscBool   single;     /* reals in single precision? */
+  PetscBool   started;    /* the files exist */
+  PetscBool   single;     /* reals in single precision */
   PetscReal   behind;     /* s, how far the next state's velocities are behind its places */
   PetscInt64  collective; /* bytes from which on all ranks write */
   PetscInt64  slab;       /* most bytes that go to HDF5 at once */
@@ -86,7 +86,7 @@ PetscErrorCode MpmOutputDestroy(MpmOutput *output)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is a dataset of this name there, of one of two numbers of components? */
+/* Refuses the file unless a dataset of this name has one of two numbers of components. */
 static PetscErrorCode CheckDatasets(MPI_Comm comm, PetscInt dataset_count, const MpmDataset datasets[],
                                     const char *name, PetscInt one, PetscInt other)
 {

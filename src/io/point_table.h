@@ -12,10 +12,10 @@ PetscErrorCode MpmPointFileClose(MpmPointFile *file);
 PetscInt       MpmPointFileCount(MpmPointFile file);
 PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt components, MpmNeed need,
                                PetscReal **values);
-/* Is it a run's, with a group /points? */
+/* True for a file of a run, with a group /points. */
 PetscBool MpmPointFileIsRun(MpmPointFile file);
 /*
-  After all Gets: refuses a column, or a dataset of a file that is no run's, that nobody has asked for, with the nearest name.
-  What a run writes and points do not start with (id, material, displacement, position0) may be there.
+  After all Gets: refuses an unused column, or an unused dataset of a file that is no run's, with the nearest name.
+  Fields that a run writes and no point starts with (id, material, displacement, position0) are allowed.
 */
 PetscErrorCode MpmPointFileCheck(MpmPointFile file);

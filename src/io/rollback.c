@@ -1,13 +1,13 @@
 /*
   Marks: how a results file is rolled back.
 
-  A run that is killed while it appends to an HDF5 file may leave it inconsistent, and what is inconsistent is the part
-  that states written long ago share: the list of groups. The points' numbers themselves are written once and never
-  again. So a mark holds the file's length and all of its bytes but those numbers, and to roll back to it is to put these
-  bytes back and to cut the file to that length: what then stands on the disk is the old file, byte for byte.
+  A run that is killed while it appends to an HDF5 file may leave it inconsistent, in the structures that states written
+  long ago share: the list of groups. The points' numbers themselves are written once and never again. A mark therefore
+  holds the file's length and all of its bytes but those numbers. To roll back is to write these bytes again and to cut
+  the file to that length: the disk then has the old file, byte for byte.
 
-  A mark in memory: the number of pieces, the file's length, a hash of some of the points' numbers (it tells another
-  file); for each piece where it stands and how long it is; then the pieces' bytes.
+  A mark in memory: the number of pieces, the file's length, a hash of some of the points' numbers (to detect another
+  file); for each piece its place and length; then the pieces' bytes.
 */
 #include <errno.h>
 #include <fcntl.h>
@@ -93,7 +93,7 @@ static PetscBool FindNumbers(const char *path, Pieces *numbers)
   return (PetscBool)(status >= 0);
 }
 
-/* What lies between the numbers. */
+/* Bytes between the numbers. */
 static int Complement(const Pieces *numbers, PetscInt64 length, Pieces *rest)
 {
   PetscInt64 end = 0;
@@ -191,7 +191,7 @@ PetscErrorCode MpmMarkSet(MPI_Comm comm, const char *path, MpmTextFile *mark)
 
 enum { RETURN_DONE, RETURN_NONE, RETURN_SHORT, RETURN_OTHER, RETURN_FAILED, RETURN_COUNT };
 
-/* Can the pieces be put back, and, if that is wanted, puts them back. */
+/* Checks that the pieces can be written again, and does so with `apply`. */
 static int ReturnFile(const char *path, const MpmTextFile *mark, PetscBool apply)
 {
   PetscInt64   head[3], hash, needed;

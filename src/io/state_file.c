@@ -1,10 +1,10 @@
 /*
   MpmStateWrite - rows as a group of an HDF5 file.
 
-  Rows come in any order on any rank. They travel to contiguous blocks of ids, one block a rank, and each rank writes its
-  block as one slab through MPI-IO, collectively. A small state makes one block on rank 0, which writes alone: to open a
-  file together takes longer than that. The file is opened and closed in each write: what a killed run had written can be
-  read.
+  Rows come in any order on any rank and travel to contiguous blocks of ids, one block a rank, and each rank writes its
+  block as one slab through MPI-IO, collectively. A small state makes one block on rank 0, which writes alone: opening a
+  file together takes longer than that. The file is opened and closed in each write, so that results of a killed run can
+  be read.
 */
 #include <string.h>
 #include <petscsf.h>
@@ -23,8 +23,8 @@ typedef struct {
   MPI_Comm        comm;
   PetscInt64      points;   /* over all ranks */
   const PetscInt *id;       /* of the local points */
-  PetscBool       together; /* do all ranks write, or rank 0 alone? */
-  PetscBool       writes;   /* does this one? */
+  PetscBool       together; /* all ranks write, otherwise rank 0 alone */
+  PetscBool       writes;   /* this rank writes */
   PetscBool      *integer;  /* of each dataset: the same answer on all ranks */
   PetscBool       numbered; /* are the ids the numbers of the rows, 0, 1, ...? */
   PetscLayout     layout;   /* rows to ranks */
@@ -39,7 +39,7 @@ typedef struct {
 
 /* ---- failures ---- */
 
-/* Keeps the last description it is shown, HDF5's innermost, which tells most; of it the system's words, if it has them. */
+/* Keeps the last description, HDF5's innermost and most specific; of it the system's words, if there are any. */
 static herr_t KeepDescription(unsigned depth, const H5E_error2_t *error, void *context)
 {
   static const char words[] = "error message = '";
@@ -66,7 +66,7 @@ static PetscBool Worked(Writer *writer, PetscBool worked)
   return worked;
 }
 
-/* Did it work on all ranks that write? The reason comes from the lowest rank on which it did not. */
+/* Success on all ranks that write; otherwise the reason of the lowest rank that failed. */
 static PetscErrorCode Agree(Writer *writer, PetscBool worked)
 {
   PetscMPIInt rank, size, first;

@@ -87,7 +87,7 @@ static PetscBool ParsePlace(const char *text, PetscReal place[3])
   return (PetscBool)!text[strspn(text, " \t\r")];
 }
 
-/* Does the line, its blanks passed over, begin with this word? Then what follows it. */
+/* The text behind the word where the line, blanks aside, begins with it; otherwise NULL. */
 static const char *Behind(const char *line, const char *word)
 {
   const size_t length = strlen(word);

@@ -7,7 +7,7 @@
 
 #define MPM_STL_MESSAGE 512
 /*
-  Not collective. Nine coordinates a triangle, in the file's unit; free with PetscFree(). What is wrong with the file goes
-  into `message`, which stays as it is where nothing is.
+  Not collective. Nine coordinates a triangle, in the file's unit; free with PetscFree(). A fault of the file goes into
+  `message`, which stays as it is where there is none.
 */
 PetscErrorCode MpmStlRead(const char *path, PetscInt *count, PetscReal **corners, char message[MPM_STL_MESSAGE]);

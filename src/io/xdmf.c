@@ -18,7 +18,7 @@ static PetscErrorCode AppendEscaped(MpmTextFile *text, const char *value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the index says a dataset has: symmetric tensors are shown in full. */
+/* Components of a dataset in the index: symmetric tensors are shown in full. */
 static PetscInt Components(const MpmXdmfTable *table, PetscInt i)
 {
   return MpmXdmfIsTensor(table->datasets[i].components, table->integer[i]) ? 9 : table->datasets[i].components;

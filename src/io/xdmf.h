@@ -21,7 +21,7 @@ typedef struct {
   PetscInt64        rows; /* over all ranks */
   PetscInt          dataset_count;
   const MpmDataset *datasets;
-  const PetscBool  *integer; /* of each dataset: integers or reals? */
+  const PetscBool  *integer; /* of each dataset: true for integers, false for reals */
 } MpmXdmfTable;
 
 /* One state as the index describes it. */

@@ -249,13 +249,12 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
 
   Collective
 
-  Notes:
-  After a step the nodes are those that it was solved on, and their fields what it has left there: the increment of the
-  displacement (m), the internal minus the external force (N; the reaction where the node is constrained, what Newton has left
-  elsewhere) and the external force (N). In the initial state, in that from which a run that had ended goes on, and after a
-  step that failed, there is none of these: they are zero. `mass` is the points' (kg), `held` the sum of 1, 2, 4 where the displacement along x, y, z is prescribed,
-  `rank` the rank that owns the node. Where bodies are in contact, `part` is the part of the material whose node it is: parts have
-  nodes and cells of their own, also at the same place. Further unknowns follow by name.
+  Notes: After a step the nodes are those of its solution, with its fields: the increment of the displacement (m), the
+  internal minus the external force (N; the reaction where the node is constrained, Newton's residual elsewhere) and the
+  external force (N). These fields are zero in the initial state, in that from which a completed run goes on, and after
+  a step that failed. `mass` is the points' (kg), `held` the sum of 1, 2, 4 where the displacement along x, y, z is
+  prescribed, `rank` the rank that owns the node. Where bodies are in contact, `part` is the node's part: parts have
+  nodes and cells of their own, also at equal places. Further unknowns follow by name.
 @*/
 PetscErrorCode MpmLatticeWrite(MpmModel model)
 {

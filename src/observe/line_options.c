@@ -24,7 +24,8 @@ static void ExtentAlong(const MpmGrid *grid, const PetscReal n[], PetscReal *low
   }
 }
 
-/* Are all places, `count` from first to last, beyond the grid; or, with their normal `across`, the planes there? */
+/* True where all places, `count` from first to last, are beyond the grid; with their normal `across`, the planes
+   there. */
 static PetscBool IsOutside(const MpmGrid *grid, const PetscReal first[], const PetscReal last[], PetscInt count,
                            const PetscReal *across)
 {

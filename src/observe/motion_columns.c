@@ -1,5 +1,5 @@
 /*
-  What the history says of motion.
+  Columns of motion in the history.
 */
 #include <stddef.h>
 #include "particles/particles.h"

@@ -57,7 +57,8 @@ static PetscErrorCode FillStress(const void *ctx, PetscReal values[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* In saturated ground that of the water's balance: of laws of small strain 1 + tr(F - I), whose change is what has flowed. */
+/* In saturated ground the volume of the water's balance: of laws of small strain 1 + tr(F - I), the change of which is
+   the flow. */
 static PetscErrorCode FillVolume(const void *ctx, PetscReal values[])
 {
   const MpmPoints *points = ((const Source *)ctx)->points;
@@ -309,7 +310,7 @@ static PetscErrorCode FieldsDestroy(Fields *fields)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is a field wanted? Without a choice, all are. */
+/* True where a field is chosen; without a choice, all are. */
 static PetscBool IsChosen(MpmModel model, const char *name)
 {
   for (PetscInt k = 0; k < model->results->output_field_count; k++)

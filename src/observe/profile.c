@@ -65,7 +65,8 @@ void MpmProfileTraction(const MpmProfile *profile, PetscInt dim, PetscInt k, Pet
 #define TERMS (MPM_MAX_DIM + 1) /* of a linear function */
 #define MOST  6                 /* components of a stress */
 
-/* The normal equations of one place: weights times products of (1, d), and times stresses; and how many points are next to it. */
+/* Normal equations of one place: weights times products of (1, d), and times stresses; and the number of nearby
+   points. */
 typedef struct {
   PetscReal matrix[TERMS * TERMS], stress[TERMS * MOST], next;
 } Fit;
@@ -112,7 +113,7 @@ static void Solve(PetscInt dim, PetscInt size, Fit *fit, PetscReal value[])
       for (PetscInt c = 0; c < size; c++) fit->stress[r * MOST + c] -= factor * fit->stress[i * MOST + c];
     }
   }
-  /* what is left of the constant's equation is tiny where the points stand on one side in one row: then their mean */
+  /* the constant's equation is nearly singular where the points stand on one side in one row: then their mean */
   for (PetscInt c = 0; c < size; c++) value[c] = fit->stress[c] / fit->matrix[0];
 }
 

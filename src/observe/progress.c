@@ -1,5 +1,5 @@
 /*
-  What a run says on the terminal: a header, one line a step with the estimated time left, and why steps were cut.
+  Output of a run on the terminal: a header, one line a step with the estimated time left, and reasons of cuts.
 
   The estimated time left follows recent speed: wall time and progress are summed with a memory of some twenty steps.
 */

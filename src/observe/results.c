@@ -1,5 +1,5 @@
 /*
-  What the model hands to its writers: points, history, summary.
+  Data of the model for its writers: points, history, summary.
 */
 #include "options/options.h"
 #include "point/layout.h"

@@ -29,14 +29,14 @@ typedef struct {
 
 /* ---- progress.c ---- */
 
-/* What the line of a step needs to know of the steps before. */
+/* Data of earlier steps for a step's line. */
 typedef struct {
   PetscLogDouble since;             /* the end of the step before */
   PetscReal      seconds, progress; /* wall time and time of the run, fading */
   PetscInt       lines;
 } MpmTerminal;
 
-/* Does the model show its progress? Not with -mpm_quiet, and not unless its caller wants it. */
+/* True where the model shows its progress: not with -mpm_quiet, and only at its caller's request. */
 PetscBool MpmTerminalShows(const MpmModel model);
 /* A line on stderr, behind the program's name; with -mpm_quiet, too. */
 PetscErrorCode MpmTerminalWarn(MpmModel model, const char format[], ...) PETSC_ATTRIBUTE_FORMAT(2, 3);
@@ -54,7 +54,7 @@ void MpmTerminalDuration(PetscReal seconds, char text[MPM_DURATION_TEXT]);
 
 /* ---- results ---- */
 
-/* The points' fields that the scene asks for (point_fields.c): do they exist? Into the output. */
+/* Checks that the fields chosen by the scene exist (point_fields.c); writes them to the output. */
 PetscErrorCode MpmFieldsCheck(MpmModel model);
 PetscErrorCode MpmFieldsWrite(MpmModel model);
 /* Active nodes and cells into the output (grid_fields.c). */

@@ -1,5 +1,5 @@
 /*
-  Tracks: sets of points whose mean displacement stands in the history. They are picked in the initial state; each
+  Tracks: sets of points whose mean displacement stands in the history. Points are picked in the initial state; each
   point's share travels with it in a field of the particles. Points that are taken away, or leave the grid, are no
   longer in the mean; without any it is not a number, and before the first of them joins a stage 0.
 */

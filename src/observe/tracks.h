@@ -18,8 +18,8 @@ PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const
 PetscErrorCode MpmTrackDestroy(MpmTrack *track);
 PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles);
 /*
-  The mean over the points that are there; nan once none is left. `waiting`: points may be there that have not joined a stage
-  yet. `fewer`: points have gone since the last call.
+  Mean over the present points; nan once none is left. `waiting`: some points may not have joined a stage yet. `fewer`:
+  points have gone since the last call.
 */
 PetscErrorCode MpmTrackEvaluate(MpmTrack *track, MpmParticles *particles, PetscBool waiting, PetscReal displacement[],
                                 PetscBool *fewer);

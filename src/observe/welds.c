@@ -12,7 +12,7 @@
 #include "step/step.h"
 #include "observe/results.h"
 
-#define MOST_PAIRS 3 /* that the line names */
+#define MOST_PAIRS 3 /* in the line */
 
 /* The lowest and the highest of the bodies with points at each owned node. */
 static PetscErrorCode BodiesAtNodes(MpmModel model, const PetscInt body_of[], PetscInt low[], PetscInt high[])
@@ -47,7 +47,7 @@ static PetscErrorCode BodiesAtNodes(MpmModel model, const PetscInt body_of[], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* welded[b*n + c], b < c: do both have points at one node? Of three at one node the two outer ones count. */
+/* welded[b*n + c], b < c: true where both have points at one node. Of three at one node the two outer ones count. */
 static PetscErrorCode FindWelded(MpmModel model, PetscBool welded[])
 {
   const PetscInt n = model->scene.bodies->count;

@@ -1,9 +1,9 @@
 /*
   Options databases: looking options up by their exact names, and the database that each model has to itself.
 
-  A model takes a copy of the options that are meant for it. Its own defaults and presets then go into the copy, and other
-  models do not see them. What the model has used is marked as used where it came from, too, so that PETSc's -options_left
-  tells of slips only.
+  A model copies the options that are meant for it. Its own defaults and presets then go into the copy, and other models
+  do not see them. Options used by the model are also marked as used at their origin, so that PETSc's -options_left
+  lists unused ones only.
 */
 #include "options/database.h"
 #include "options/options.h"
@@ -17,8 +17,8 @@ typedef MpmDatabaseOption Pair;
 /* ---- look-up ---- */
 
 /*
-  PetscOptionsFindPair() is the only look-up, and it marks what it finds as used, in a fallback too. So presence is put
-  together from the two calls that go by exact names: what has been used, and the list of what has not.
+  PetscOptionsFindPair() is the only look-up, and it marks its results as used, in a fallback too. Presence therefore
+  follows from the two calls that go by exact names: the used options, and the list of unused ones.
 */
 PetscErrorCode MpmDatabaseHas(const char name[], PetscBool *has)
 {

@@ -20,15 +20,15 @@ typedef struct {
 
 /* All options, sorted by name; free `options` and `text` with PetscFree() after use. Marks none as used. */
 PetscErrorCode MpmDatabaseGet(PetscInt *count, MpmDatabaseOption **options, char **text);
-/* The same without those that begin with mpm_. */
+/* Those that do not begin with mpm_. */
 PetscErrorCode MpmDatabaseGetForeign(PetscInt *count, MpmDatabaseOption **options, char **text);
 PetscErrorCode MpmDatabaseIsOurs(const char name[], PetscBool *ours);
 
 /* ---- sources.c ---- */
 
 /*
-  Where options were given: files in their order, and what stood on the command line behind them. Names as in the database,
-  case aside. A NULL handle knows of no option.
+  Origins of options: files in their order, then the command line. Names as in the database, case aside. A NULL handle
+  contains no option.
 */
 typedef struct _p_MpmSources *MpmSources;
 PetscErrorCode                MpmSourcesCreate(MpmSources *sources);

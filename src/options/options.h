@@ -8,7 +8,7 @@
 */
 #include "base/base.h"
 
-/* What has been read so far, with the values in force. */
+/* Options read so far, with the values in force. */
 typedef struct _p_MpmRecord *MpmRecord;
 PetscErrorCode               MpmRecordCreate(MpmRecord *record);
 PetscErrorCode               MpmRecordDestroy(MpmRecord *record);
@@ -35,13 +35,13 @@ typedef struct {
 #define MPM_RANGE_TEXT (2 * MPM_NUMBER_TEXT + 16)
 void      MpmRangeText(MpmRange range, char text[MPM_RANGE_TEXT]);
 PetscBool MpmRangeHolds(MpmRange range, PetscReal value);
-/* What a refusal says of a range's text: "must lie in [0, 30] degrees", "must be > 0" */
+/* Text of a range in a refusal: "must lie in [0, 30] degrees", "must be > 0" */
 #define MPM_MUST_TEXT (MPM_RANGE_TEXT + 48)
 void MpmMustText(const char range[], const char unit[], char text[MPM_MUST_TEXT]);
 
 typedef enum { MPM_OPTIONAL, MPM_REQUIRED } MpmNeed;
 
-/* Is this run only for -help? Then values are not to be relied on, and what follows from them must be skipped. */
+/* True where the run is only for -help: values are then not to be relied on, and their consequences must be skipped. */
 PetscBool MpmOptionsHelp(void);
 
 /* Prints the heading of a block when -help asks for it. */
@@ -63,7 +63,7 @@ PetscErrorCode MpmOptionsReadReals(const MpmOptions *options, const MpmNumberOpt
                                    PetscReal values[], PetscBool *set);
 PetscErrorCode MpmOptionsReadInts(const MpmOptions *options, const MpmNumberOption *option, PetscInt count,
                                   PetscInt values[], PetscBool *set);
-/* The same in one line a reading, as PETSc has it; a range written out stands in parentheses. */
+/* MpmOptionsReadReals() in one line a reading, as PETSc has it; a range written out stands in parentheses. */
 #define MpmOptionsReals(options, name_, unit_, help_, range_, need_, count, values, set) \
   MpmOptionsReadReals(options, \
                       &(MpmNumberOption){.name = name_, .unit = unit_, .help = help_, .range = range_, .need = need_}, \
@@ -88,28 +88,28 @@ PetscErrorCode MpmOptionsWord(const MpmOptions *options, const char *name, const
 PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const char *help, const char *fallback,
                               MpmNeed need, char **value);
 /*
-  The name of a file to be read, as MpmOptionsText(). A relative one that a scene's file gives is looked for in that file's
-  folder first, then in the working directory.
+  The name of a file to be read, as MpmOptionsText(). A relative one that a scene's file gives is looked for in that
+  file's folder first, then in the working directory.
 */
 PetscErrorCode MpmOptionsPath(const MpmOptions *options, const char *name, const char *help, MpmNeed need,
                               char **value);
-/* The same for a path out of an option's text; `path` is replaced. */
+/* As MpmOptionsPath(), for a path out of an option's text; `path` is replaced. */
 PetscErrorCode MpmOptionsResolve(const MpmOptions *options, const char *name, char **path);
 /*
   A comma-separated list of names: letters, digits and underscores, no two alike. Free with MpmNamesDestroy().
 */
 PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, const char *help, MpmNeed need,
                                PetscInt *count, char ***names);
-/* The same for a list of blocks, with its heading: with -help, one that the scene does not give has one block, NAME. */
+/* As MpmOptionsNames(), for a list of blocks, with its heading: with -help an absent list has one block, NAME. */
 PetscErrorCode MpmOptionsBlocks(const MpmOptions *options, const char *list, const char *help, MpmNeed need,
                                 PetscInt *count, char ***names);
-/* Is the option -<prefix><name> there? Does not mark it as used. */
+/* True where the option -<prefix><name> is there; does not mark it as used. */
 PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscBool *has);
 
 /*
-  After the whole scene has been read: an -mpm_ option that nobody asked for ends the run, with the nearest known name or
-  the list that its block is not in; and so does an option of PETSc's that is not a number where it must be one. `warning`
-  tells of blocks that a later list leaves out, NULL for none; free with PetscFree().
+  After the whole scene has been read: an unused -mpm_ option ends the run, with the nearest known name or the list that
+  its block is not in; and so does an option of PETSc's that is not a number where it must be one. `warning` names
+  blocks that a later list leaves out, NULL for none; free with PetscFree().
 */
 PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options, char **warning);
 /* When options are looked through that nobody has used: after the first linear solve, and at the end of the run. */
@@ -123,5 +123,5 @@ PetscErrorCode MpmOptionsWarnUnused(const MpmOptions *options, MpmMoment moment)
 PetscErrorCode MpmForeignOptionsFind(const char message[], char name[], size_t size);
 /* Writes what was in force, defaults included, and all other PETSc options, as YAML that can be run again (rank 0). */
 PetscErrorCode MpmOptionsWriteYAML(const MpmOptions *options, const char *path);
-/* The same as text, appended. Not collective. */
+/* The record as YAML text, appended. Not collective. */
 PetscErrorCode MpmOptionsTextYAML(const MpmOptions *options, MpmTextFile *text);

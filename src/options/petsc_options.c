@@ -51,7 +51,7 @@ static PetscErrorCode CheckType(const MpmDatabaseOption *option)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does the library do one of the factorisations? */
+/* Refuses a package that has none of the factorisations. */
 static PetscErrorCode CheckFactorisation(const MpmDatabaseOption *option)
 {
   const char         *package = option->value ? option->value : "";

@@ -1,15 +1,15 @@
 /*
   The typed readers of options.h.
 
-  A reader states what an option means in an ItemSpec; ItemRead() makes the line of -help, the entry in the record and
-  the complaint about a missing option out of it, so that the three cannot disagree. Then the reader parses what was
-  given, all of it, and checks it.
+  A reader describes its option in an ItemSpec; ItemRead() derives from it the line of -help, the entry in the record
+  and the complaint about a missing option, so that the three cannot disagree. Then the reader parses all of the given
+  text and checks it.
 
   With -help a required option that is missing is no error: the run only prints its manual and ends. The reader then
-  leaves the value as it was on entry (lists, texts and names: empty), so callers initialise what they pass, required or
+  leaves the value as it was on entry (lists, texts and names: empty), so callers initialise all values, required or
   not.
 
-  A refusal ends the run, so what was allocated on the way to it is not given back.
+  A refusal ends the run, so memory allocated before it is not freed.
 */
 #include "options/help.h"
 #include "options/options.h"
@@ -20,7 +20,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* What an option means. */
+/* Description of an option. */
 typedef struct {
   const char *name; /* without the block's prefix */
   const char *help;
@@ -28,11 +28,11 @@ typedef struct {
   const char *accepts;  /* "> 0", "in (-1, 0.5)", "one of a, b"; empty for anything */
   const char *fallback; /* the default as text; NULL for none */
   MpmNeed     need;
-  PetscBool   lasting;  /* would the default be accepted if it were given? */
+  PetscBool   lasting;  /* the default lies in the accepted range */
   PetscBool   presence; /* the caller wants to know whether the option is there */
 } ItemSpec;
 
-/* What the user gave. */
+/* Text given by the user. */
 typedef struct {
   char       *name; /* in full, no dash */
   const char *raw;  /* NULL when the option is absent or has no value; lent by PETSc */
@@ -208,8 +208,8 @@ static PetscErrorCode ItemRefuseRange(const Item *item, const ItemSpec *spec, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a list of `count` values accepts: "2 values, each > 0"; one value goes without saying, and so
-   does a number that -help does not know. */
+/* Accepted values of a list of `count`: "2 values, each > 0"; no text for one value, nor for a number unknown to
+   -help. */
 static void ListText(PetscInt count, const char range[], char text[2 * MPM_RANGE_TEXT])
 {
   if (count <= 1) snprintf(text, 2 * MPM_RANGE_TEXT, "%s", range);

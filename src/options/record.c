@@ -79,8 +79,8 @@ PetscErrorCode MpmRecordGet(MpmRecord record, const char name[], MpmRecordEntry 
 
 /* ---- YAML ---- */
 
-/* May the character stand in a double-quoted scalar as it is? The YAML reader refuses controls and folds line breaks.
-   */
+/* True where the character may stand in a double-quoted scalar: the YAML reader refuses controls and folds line
+   breaks. */
 static PetscBool IsPlain(unsigned code)
 {
   if (code == '"' || code == '\\' || code == 0x2028 || code == 0x2029 || code == 0xFEFF) return PETSC_FALSE;

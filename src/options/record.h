@@ -1,6 +1,7 @@
 #pragma once
 /*
-  What the readers of options, their record and other parsers share: texts, the database of options, the record's entries.
+  Shared by the readers of options, their record and other parsers: texts, the database of options, the record's
+  entries.
 */
 #include "options/database.h"
 #include "options/options.h"
@@ -26,7 +27,7 @@ typedef struct {
 /* An option of PETSc's that the user gave. */
 typedef struct {
   char     *name, *value; /* fit for a message; empty where it has none */
-  PetscBool told;         /* that nobody used it */
+  PetscBool told;         /* warned of as unused */
 } MpmGivenOption;
 
 struct _p_MpmRecord {

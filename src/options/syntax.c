@@ -10,7 +10,7 @@
 
 #define DEEPEST 100 /* maps in braces, one in the other */
 
-/* What is wrong with a line; NULL for nothing. `depth` counts open braces and brackets from line to line. */
+/* Fault of a line; NULL for none. `depth` counts open braces and brackets from line to line. */
 static const char *LineFault(const char line[], size_t length, PetscBool yaml, PetscInt *depth)
 {
   const size_t indent = strspn(line, " \t");

@@ -70,7 +70,7 @@ static const char *NearestKnown(MpmRecord record, const char name[])
 
 /* ---- lists ---- */
 
-/* What the options of a list's blocks begin with: mpm_bodies, mpm_body_. */
+/* Prefix of the options of a list's blocks: mpm_bodies, mpm_body_. */
 static void BlockPrefix(const char list[], char prefix[PETSC_MAX_OPTION_NAME])
 {
   const size_t length = strlen(list);

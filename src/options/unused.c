@@ -61,7 +61,7 @@ PetscErrorCode MpmForeignOptionsForget(MpmRecord record)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Has anybody on any rank asked for it? Block solvers, for example, may be on some ranks only. */
+/* True where any rank has used it: block solvers, for example, may be on some ranks only. */
 static PetscErrorCode IsUsed(MPI_Comm comm, const char name[], PetscBool *used)
 {
   PetscFunctionBegin;

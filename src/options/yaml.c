@@ -1,9 +1,9 @@
 /*
-  What YAML itself finds wrong with a scene, and options that stand in it twice: PETSc would take the last one without a
-  word. libyaml reads the file as it does for PETSc.
+  Errors of YAML in a scene, and options that stand in it twice: PETSc would silently take the last one. libyaml reads
+  the file as for PETSc.
 
-  Keys along the way down to a value make the option's name, joined by underscores, upper and lower case alike. So
-  `a: {b: 1}` and `a_b: 1` are one option. What a merge key (<<) brings may be overridden; keys with $$ are no options.
+  Keys on the path to a value make the option's name, joined by underscores, upper and lower case alike: `a: {b: 1}` and
+  `a_b: 1` are one option. Entries of a merge key (<<) may be overridden; keys with $$ are no options.
 */
 #include "options/scene_file.h"
 
@@ -13,7 +13,7 @@
 #include <strings.h>
 #include <yaml.h>
 
-#define MOST_OPTIONS 10000 /* that a file may give; with aliases a few lines could give any number */
+#define MOST_OPTIONS 10000 /* of a file; with aliases a few lines could give any number */
 #define DEEPEST      100   /* an alias may stand in what it stands for */
 
 typedef struct {
@@ -53,7 +53,7 @@ static void FaultTwice(Walk *walk, const char name[], size_t first, size_t secon
   }
 }
 
-/* Is the key one of an option? */
+/* True where the key is an option's. */
 static PetscBool IsPlainKey(const yaml_node_t *key)
 {
   return (PetscBool)(key->type == YAML_SCALAR_NODE && strcmp(Text(key), "<<") && strncmp(Text(key), "$$", 2));
@@ -61,7 +61,7 @@ static PetscBool IsPlainKey(const yaml_node_t *key)
 
 static PetscErrorCode WalkMapping(Walk *walk, const char prefix[], const yaml_node_t *mapping, PetscInt depth);
 
-/* What stands behind a key. Sequences are values, and options where their entries are mappings. */
+/* Visits the value of a key. Sequences are values, and options where their entries are mappings. */
 static PetscErrorCode WalkValue(Walk *walk, const char name[], const yaml_node_t *key, const yaml_node_t *value,
                                 PetscInt depth)
 {

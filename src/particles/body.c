@@ -34,7 +34,7 @@ struct _p_MpmBody {
   MpmFill        fill;  /* down to settled ground, */
   PetscBool      joins; /* where it joins a stage; room for these points is left behind its ids */
   PetscInt       count, fill_rows;
-  int            wrong; /* what is with its stress, as MpmBodyStressFill() says */
+  int            wrong; /* fault of its stress, as MpmBodyStressFill() has it */
   MpmBodyLattice lattice;
   PetscInt       cell_lower[MPM_MAX_DIM], cell_upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
   PetscInt       before_count;
@@ -396,7 +396,7 @@ PetscErrorCode MpmBodySetBefore(MpmBody body, PetscInt count, const MpmBody befo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does the point stand on an edge that the body shares with one before it, which has a point at this very place? */
+/* True where the point stands on an edge shared with an earlier body that has a point at this very place. */
 static PetscBool IsTaken(const MpmBody body, const MpmGrid *grid, const PetscReal x[])
 {
   for (PetscInt b = 0; b < body->before_count; b++) {
@@ -543,8 +543,8 @@ static void Turn(const PetscReal spin[3], PetscInt dim, const PetscReal r[], Pet
 }
 
 /*
-  A body that spins about its centre of mass. A point's affine velocity is W D with v = W r: for splines of degree p >= 2 over
-  a domain of half-length l the second moment is D = (p + 1) h^2/12 + l^2/3; for linear ones W itself is kept.
+  A body that spins about its centre of mass. A point's affine velocity is W D with v = W r: for splines of degree p >=
+  2 over a domain of half-length l the second moment is D = (p + 1) h^2/12 + l^2/3; for linear ones W itself is kept.
 */
 static PetscErrorCode FillSpin(const MpmBody body, PetscInt number, const MpmGrid *grid, const MpmMaterial materials[],
                                const PetscInt body_of[], const MpmPoints *points)

@@ -21,8 +21,8 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const 
 PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                const MpmMaterial *materials, PetscInt field_count, const MpmFileField fields[],
                                MpmBody body);
-/* One of these fields, point by point as they are made, or NULL where the file has none; that of the water's pressure, which
-   an excess in the body's block replaces; and whether the file has masses. */
+/* A field, point by point as they are made, or NULL where the file has none; the water's pressure, which an excess in
+   the body's block replaces; and whether the file has masses. */
 const PetscReal *MpmBodyFileField(MpmBody body, const char *name);
 const PetscReal *MpmBodyFilePressure(MpmBody body, const char *name);
 PetscBool        MpmBodyFileHasMass(MpmBody body);
@@ -30,8 +30,8 @@ PetscBool        MpmBodyFileHasMass(MpmBody body);
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body);
 PetscReal      MpmBodyPressure(const MpmBody body);
 /*
-  The velocity that its points start with, the block's or that of its file, and the block's angular one about the centre of
-  mass, by which points turn, too, as the shape keeps it. `given` names what the block has, or is NULL; `file` names the file
+  Initial velocity of its points, the block's or that of its file, and the block's angular velocity about the centre of
+  mass, by which points turn, too, as the shape keeps it. `given` is the option in the block, or NULL; `file` the file
   that has a velocity; `run`: another run has written it.
 */
 PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmShapeType shape, MpmBody body,
@@ -48,18 +48,19 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
 /* Where a place is to the region of a body; one from a file has none. */
 typedef enum { MPM_HOLD_NONE, MPM_HOLD_EDGE, MPM_HOLD_INSIDE } MpmHold;
 MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[]);
-/* Was the body drawn as far as to x, whatever lattice of points its region was filled with? */
+/* True where the body was drawn as far as to x, whatever lattice of points its region was filled with. */
 PetscBool MpmBodyReaches(MpmBody body, const PetscReal x[]);
 /*
-  How much farther the body was drawn than a domain of this half-length about a place x in it, along an axis to a side (0 lower, 1
-  upper), m: less than the half-length either way; 0 where the next point of the lattice would be in it, and for bodies from files.
+  Distance by which the body was drawn farther than a domain of this half-length about a place x in it, along an axis to
+  a side (0 lower, 1 upper), m: less than the half-length either way; 0 where the next point of the lattice would be in
+  it, and for bodies from files.
 */
 PetscReal MpmBodyExcess(MpmBody body, const PetscReal x[], PetscInt axis, PetscInt side, PetscReal half);
 /* The body that a point is of; NULL where there is none. */
 MpmBody MpmBodyOfPoint(const MpmBodies *bodies, PetscInt id);
 /* The number of the body that the p-th of the points is of; as many as there are where it is of none. */
 PetscInt MpmBodyNumber(const MpmBodies *bodies, const MpmPoints *points, PetscInt p);
-/* Would both have a point at the same places of a cell? */
+/* True where both would have a point at equal places of a cell. */
 PetscBool MpmBodiesShareLattice(MpmBody one, MpmBody other);
 /* Of the points' domains, in a body that is not from a file. */
 void MpmBodyHalfLengths(MpmBody body, const MpmGrid *grid, PetscReal half[]);
@@ -68,7 +69,7 @@ PetscErrorCode MpmBodySetBefore(MpmBody body, PetscInt count, const MpmBody befo
 /* The ids of a body's points, [first, end); known once the points have been made. */
 void      MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
 PetscBool MpmBodyIsImported(MpmBody body);
-/* Do its points start with a uniform stress? Their masses are then fields. */
+/* True where its points start with a uniform stress. Their masses are then fields. */
 PetscBool MpmBodyIsStressed(MpmBody body);
 /* The lattice of a body's points: its cells are the points' domains. Not of bodies from files. */
 typedef struct {
@@ -76,7 +77,7 @@ typedef struct {
   PetscInt  count[MPM_MAX_DIM];
 } MpmBodyLattice;
 void MpmBodyGetLattice(MpmBody body, MpmBodyLattice *lattice);
-/* Does the body fill the gap down to settled ground where it joins a stage? AUTO: gaps within a cell. */
+/* Filling of the gap down to settled ground where the body joins a stage; AUTO: gaps within a cell. */
 typedef enum { MPM_FILL_AUTO, MPM_FILL_YES, MPM_FILL_NO } MpmFill;
 MpmFill MpmBodyFills(MpmBody body);
 /* The body joins a stage: room is left in the ids. To be called before the points are made. */

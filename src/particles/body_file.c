@@ -5,14 +5,14 @@
     step           of a file with /points: a number, or latest
     file_material  only the points whose `material` is this number
 
-  Needed are position (x, y (, z)) and volume, as they stand. The rest is taken where it is there:
+  Position (x, y (, z)) and volume are required, as they stand. Optional are:
 
     F             deformation gradient, 9 components; the initial volume is then volume/det F
     half_length   of the domain that F deforms; else a cube of the volume
     mass          else density times the volume
     velocity      else that of the body's block, which counts where both are given
-    stress        Cauchy, xx, yy, zz, xy, yz, xz. Where F or the law's history do not say it already, they are searched
-    ...           the law's history by its names, and what the physics keeps of a point, such as pressure and porosity
+    stress        Cauchy, xx, yy, zz, xy, yz, xz; F or the law's history are searched for it where they are not given
+    ...           the law's history by its names, and fields of the physics, such as pressure and porosity
 
   Displacements start at zero. Other columns are refused, and datasets of files that are no run's.
 */
@@ -80,7 +80,7 @@ static PetscErrorCode ChooseRows(const MpmOptions *block, MpmPointFile file, Mpm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What is wrong with a point's own numbers, or NULL. */
+/* Fault of a point's own numbers, or NULL. */
 static const char *WrongPoint(const MpmImported imported, const MpmGrid *grid, PetscReal density, PetscInt p)
 {
   const PetscInt   dim = grid->dim;
@@ -281,7 +281,7 @@ static void TakeGeometry(const MpmImported imported, PetscInt dim, PetscReal den
 }
 
 /*
-  The row's stress, and F or history that give it where the file does not have them. What MpmInitialFind says.
+  The row's stress, and F or history that give it where the file does not have them. Returns MpmInitialFind()'s result.
 */
 static int TakeStress(const MpmImported imported, const MpmInitial *initial, PetscInt row, PetscBool has_state,
                       PetscInt p, MpmPoints *points, PetscReal state[])

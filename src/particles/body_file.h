@@ -7,7 +7,7 @@
 
 /* The points of a body that come from a file, this rank's. */
 typedef struct _p_MpmImported *MpmImported;
-/* What the physics keeps of a point and a file may have. */
+/* Fields of the physics that a file may have. */
 typedef struct {
   const char *name; /* borrowed for as long as the points are */
   PetscInt    components;
@@ -18,7 +18,7 @@ PetscErrorCode MpmImportedDestroy(MpmImported *imported);
 PetscInt       MpmImportedCount(MpmImported imported);
 /* Row by row, or NULL where the file has none. */
 const PetscReal *MpmImportedVelocity(MpmImported imported);
-/* The same of one of the fields. */
+/* Values of one of the fields. */
 const PetscReal *MpmImportedField(MpmImported imported, const char *name);
 PetscBool        MpmImportedHasMass(MpmImported imported);
 /* The file's name, and whether another run has written it. */
@@ -26,8 +26,8 @@ const char *MpmImportedPath(MpmImported imported, PetscBool *run);
 /* Writes their positions from point `first` on. */
 PetscErrorCode MpmImportedPlace(MpmImported imported, PetscInt dim, PetscInt first, MpmPoints *points);
 /*
-  Writes them from point `first` on, all but id and material. History that the file does not have is left as it stands, but
-  where it follows from the stress.
+  Writes them from point `first` on, all but id and material. History that the file does not have is left as it stands,
+  unless it follows from the stress.
 */
 PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const MpmMaterial *material,
                                PetscInt state_size, PetscInt first, MpmPoints *points);

@@ -1,11 +1,11 @@
 /*
-  History that a scene gives a body's points to start with:
+  Initial history of a body's points:
 
-    initial_specific_volume: "0:1.55,10:1.62"      height:value, straight between; or one number
+    initial_specific_volume: "0:1.55,10:1.62"      height:value, linear between; or one number
 
-  Heights are coordinates up gravity's axis. The pairs must reach from the lowest point to the highest; two at one height make
-  a jump, where the later one counts. Where the law has a parameter of the variable's name, the values stand in its place:
-  they must be in its range and agree with the other parameters.
+  Heights are coordinates up gravity's axis. The pairs must reach from the lowest point to the highest; two at one
+  height make a jump, where the later one counts. Where the law has a parameter of the variable's name, the values
+  replace it: they must be in its range and agree with the other parameters.
 */
 #include "options/options.h"
 #include "point/material.h"
@@ -25,7 +25,7 @@ struct _p_MpmBodyInitial {
   Profile           *profile; /* by state variable */
 };
 
-/* What is wrong with the text, or NULL. */
+/* Fault of the text, or NULL. */
 static const char *ParsePairs(PetscInt count, char **pair, Profile *profile)
 {
   if (count == 1 && !strchr(pair[0], ':')) {

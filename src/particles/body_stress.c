@@ -1,5 +1,5 @@
 /*
-  A uniform Cauchy stress that a body's points start with: history that gives it, or of laws without history a deformation
+  A uniform initial Cauchy stress of a body's points: history that gives it, or of laws without history a deformation
   (stress_inversion.c). Volume, domain and mass are as drawn.
 */
 #include "point/material.h"
@@ -9,7 +9,7 @@
 #include "particles/point_mass.h"
 #include "particles/points.h"
 
-/* What MpmInitialFind() says. */
+/* Returns MpmInitialFind()'s result. */
 static int SetStress(const MpmInitial *initial, MpmStretch stretch, const PetscReal stress[], PetscInt p,
                      MpmPoints *points, PetscReal state_n[])
 {

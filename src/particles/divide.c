@@ -1,25 +1,26 @@
 /*
-  Points whose domains have been drawn out are divided.
+  Division of points whose domains have been drawn out.
 
-  A point stands for the parallelepiped with the edges 2 l_a F e_a about x. Where the longest of them is longer than it may be, the
-  point becomes two, side by side along it: each at x +- (l_a/2) F e_a with half of the volume and of l_a, and F, stress and state
-  as they were. Together they fill what it filled, so that a flow which draws points apart leaves no cells without any. Halves that would
-  leave the grid stand nearer to one another.
+  A point represents the parallelepiped with the edges 2 l_a F e_a about x. Where the longest of them exceeds the bound,
+  the point becomes two, side by side along it: each at x +- (l_a/2) F e_a with half of the volume and of l_a, and with
+  F, stress and state unchanged. Together they fill the old parallelepiped, so that a flow which draws points apart
+  leaves no cells empty. Halves that would leave the grid stand nearer to one another.
 
-  What cannot be divided again, and would become a thread across many cells, keeps its edges at the length allowed: the domain alone is
-  cut, volume, mass, stress and history are whole. Where its law knows of F the determinant only (MPM_LAW_VOLUME) and slip has made columns
-  of F nearly parallel, F is straightened before, and so is that of points that are still too long after a division:
+  A point that cannot be divided again, and would become a thread across many cells, keeps its edges at the bound: the
+  domain alone is cut; volume, mass, stress and history are whole. Where its law depends on F by the determinant only
+  (MPM_LAW_VOLUME) and slip has made columns of F nearly parallel, F is straightened before, and so is that of points
+  that are still too long after a division:
 
     F' = Q diag(R),   F = Q R,   columns of F by the lengths of their edges, longest first
 
-  is a box with the longest edge, its faces and det F as they were. Slip along that edge then draws it out no more; and det F, of
-  columns that become parallel, would be a difference of ever larger numbers.
+  is a box with the longest edge, its faces and det F unchanged. Slip along that edge then does not lengthen it any
+  more. With nearly parallel columns det F would be a difference of ever larger numbers.
 
-  Ids have room between them, 2^MPM_DIVISIONS for a point, and a half takes the middle of the room that is left: ids stay in the
-  range of their body and do not depend on ranks.
+  Ids have room between them, 2^MPM_DIVISIONS for a point, and a half takes the middle of the remaining room: ids stay
+  in the range of their body and do not depend on ranks.
 
-  Sources: Ma, Zhang, Lian and Zhou (2009), CMES 39, 101 (particles that split where they are drawn out); Sadeghirad, Brannon and
-  Burghardt (2011), doi:10.1002/nme.3110 (the parallelepiped).
+  Sources: Ma, Zhang, Lian and Zhou (2009), CMES 39, 101 (particles that split where they are drawn out); Sadeghirad,
+  Brannon and Burghardt (2011), doi:10.1002/nme.3110 (the parallelepiped).
 */
 #include "point/material.h"
 #include "grid/grid.h"
@@ -143,7 +144,7 @@ static void Straighten(PetscInt dim, const PetscReal half[], PetscReal F[])
     }
 }
 
-/* What has been divided as often as it may be keeps its edges at this length. */
+/* Points divided as often as allowed keep their edges at this length. */
 static void CutThreads(const MpmGrid *grid, const MpmMaterial *materials, const MpmPoints *points, PetscReal longest)
 {
   const PetscInt dim = grid->dim;

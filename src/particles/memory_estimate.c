@@ -1,6 +1,6 @@
 /*
-  What a scene may ask for. Whether it fits into memory is told before any of it is taken: a slip in the number of cells
-  would otherwise swap the machine to death.
+  Memory of a scene, estimated before any of it is allocated: a slip in the number of cells would otherwise swap the
+  machine to death.
 */
 #include <unistd.h>
 #include "options/options.h"

@@ -1,11 +1,11 @@
 /*
   Faces of the points' domains that bound the material.
 
-  The domain of a point is its initial box, of half-lengths l_a, carried by F: the parallelepiped x + F diag(l) xi, |xi_a| <= 1.
-  A face bounds the material where a probe a little beyond its middle lies in no domain of the same part. Probe and domains
-  are widened, so that the gaps and overlaps of deformed domains neither open nor close the material.
+  The domain of a point is its initial box, of half-lengths l_a, carried by F: the parallelepiped x + F diag(l) xi,
+  |xi_a| <= 1. A face bounds the material where a probe a little beyond its middle lies in no domain of the same part.
+  Probe and domains are widened, so that the gaps and overlaps of deformed domains neither open nor close the material.
 
-  Every rank asks for its own points, with copies of those of other ranks that lie near enough to answer.
+  Every rank treats its own points, with copies of those of other ranks within reach.
 */
 #include "base/outcome.h"
 #include "grid/grid.h"
@@ -133,7 +133,8 @@ static PetscErrorCode FillBins(Bins *bins)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The cells that may hold the centre of a domain of which the box about x is near, as many cells more on each side as `more` is long. */
+/* Cells that may hold the centre of a domain near the box about x, widened on each side by as many cells as `more` is
+   long. */
 static void CellsAround(const Bins *bins, const PetscReal x[], PetscReal more, PetscInt lower[], PetscInt upper[])
 {
   const MpmGrid *grid = bins->grid;

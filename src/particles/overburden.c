@@ -1,15 +1,15 @@
 /*
   The weight of the column above every point, under a free surface of any shape and through any materials.
 
-  Each point stands for its domain, a box with the weight m g spread evenly. The pressure at point p is the mean over the
-  domain's width of
+  Each point represents its domain, a box with the weight m g spread evenly. The pressure at point p is the mean over
+  the domain's width of
 
     integral over y > y_p of (weight density) dy ,
 
   so that steps of the surface and neighbours with other domains count by the width that they share with p.
 
-  The horizontal plane is divided into the grid's columns of cells and each column goes to one rank, whatever part of it
-  which rank holds. There, boxes of the same width stand in piles, sorted from above with running sums: a point asks each
+  The horizontal plane is divided into the grid's columns of cells and each column goes to one rank, whatever the ranks
+  of its points. There, boxes of one width stand in piles, sorted from above with running sums: a point searches each
   pile once, by bisection.
 */
 #include "grid/grid.h"
@@ -26,7 +26,7 @@ typedef struct {
   PetscInt   index;    /* where the record stood when it came */
 } Slab;
 
-/* Boxes that stand on each other: sorted by their lower ends from above; above[k] is the weight per area of boxes < k. */
+/* Boxes on top of each other: sorted by their lower ends from above; above[k] is the weight per area of boxes < k. */
 typedef struct {
   const Slab *slab;
   PetscInt    count;

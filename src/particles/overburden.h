@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What is above a point.
+  Weight above a point.
 */
 #include "base/base.h"
 #include "base/types.h"

@@ -121,12 +121,13 @@ static void *HeldArray(const MpmParticles *particles, const char name[])
   return field ? field->array : NULL;
 }
 
-/* The array of a registered field on a rank without points, where the swarm has NULL: NULL is a field that is not registered. */
+/* Array of a registered field on a rank without points, where the swarm has NULL: NULL is a field that is not
+   registered. */
 static PetscReal nothing[1];
 
 /*
-  Takes all fields from the swarm, which looks each up by name: a step of a small scene cannot afford that again and again. They are held until
-  the number of points changes.
+  Takes all fields from the swarm, which looks each up by name: too slow for each step of a small scene. The fields stay
+  taken until the number of points changes.
 */
 static PetscErrorCode Hold(MpmParticles *particles)
 {
@@ -256,7 +257,7 @@ static PetscErrorCode ShareLost(MpmParticles *particles, const MpmGrid *grid, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points are not those that they were: which id is missing, or there twice, and where was it last? */
+/* Finds the id that is missing, or there twice, and its last place, where the points are not those before. */
 static PetscErrorCode FindMissing(MpmParticles *particles, const MpmGrid *grid, PetscInt count,
                                   const Traveller travellers[])
 {
@@ -320,7 +321,7 @@ MPM_INLINE PetscInt FindStray(const PetscInt dim, const MpmGrid *grid, PetscInt 
   return -1;
 }
 
-/* Which rank each point belongs to; `leaving` ones are not here any more. The first that is nowhere in the grid is told. */
+/* Rank of each point; `leaving` ones go to other ranks. The first that is nowhere in the grid is reported. */
 static PetscErrorCode Address(MpmParticles *particles, const MpmGrid *grid, PetscInt count, PetscInt *leaving,
                               PetscBool *astray)
 {

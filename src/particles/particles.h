@@ -12,7 +12,7 @@ typedef struct {
   PetscInt  components;
   PetscBool integer;
   PetscBool shared; /* an amount: where a point is divided each half has half of it */
-  void     *array;  /* while the swarm's fields are held */
+  void     *array;  /* while the swarm's fields are taken; otherwise NULL */
 } MpmPointField;
 
 typedef struct MpmParticles {
@@ -21,13 +21,13 @@ typedef struct MpmParticles {
   MpmPointField *fields; /* all of them, id first */
   PetscInt       dim, stress_size, state_size, own_size, rates;
   MpmPoints     *held; /* the fields, from the first time that they are asked for until the number of points changes */
-  PetscInt       lent; /* so often */
+  PetscInt       lent; /* number of loans not yet restored */
   PetscBool      has_mass; /* set before MpmParticlesCreate() */
   PetscInt64     total;
   PetscReal      imbalance; /* points on the fullest rank over their mean, the most so far */
   PetscInt       rebalances;
   char           lost[192]; /* tells of a point that is lost; empty while all are there */
-  PetscBool      gone;      /* it is not merely in a wrong place */
+  PetscBool      gone;      /* missing, not merely in a wrong place */
 } MpmParticles;
 
 /* Points that are not there yet, or no longer: all their fields, one point after the other. */
@@ -36,7 +36,7 @@ typedef struct MpmParked {
   char    *data;
 } MpmParked;
 
-/* What fields the points have beside those that all have. */
+/* Optional fields of the points. */
 typedef struct {
   PetscInt  state_size, own_size, rates, parameters;
   PetscBool half_length, increment, faces, part, velocity, affine, acceleration, divisions, origin, across;
@@ -46,8 +46,8 @@ typedef struct {
 PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields, MpmParticles *particles);
 PetscErrorCode MpmParticlesDestroy(MpmParticles *particles);
 /*
-  The fields, all of them or one by its name (`array` is the address of a pointer), may be lent several times at once. What changes the
-  number of points on a rank is an error while any is. Restore does nothing with arrays that are not lent.
+  The fields, all of them or one by its name (`array` is the address of a pointer), may be lent several times at once.
+  Changing the number of points on a rank is an error while any is. Restore does nothing with arrays that are not lent.
 */
 PetscErrorCode MpmParticlesGetArrays(MpmParticles *particles, MpmPoints *points);
 PetscErrorCode MpmParticlesRestoreArrays(MpmParticles *particles, MpmPoints *points);
@@ -56,41 +56,42 @@ PetscErrorCode MpmParticlesRestoreField(MpmParticles *particles, void *array);
 PetscBool      MpmParticlesHaveField(const MpmParticles *particles, const char name[]);
 /* Get, unless these arrays are lent already. */
 PetscErrorCode MpmParticlesLendArrays(MpmParticles *particles, MpmPoints *points);
-/* Gives the fields back to the swarm: to be called before the swarm itself is asked to change the number of its points. */
+/* Returns the fields to the swarm: to be called before the swarm itself changes the number of its points. */
 PetscErrorCode MpmParticlesRelease(MpmParticles *particles);
 /*
-  Sends every point to the rank that owns its cell, however far. Points are counted before and after; one that is missing
-  or not in the grid is told of in particles->lost, the same text on all ranks.
+  Sends every point to the rank that owns its cell, however far. Points are counted before and after; one that is
+  missing or not in the grid is reported in particles->lost, with equal text on all ranks.
 */
 PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid);
 /* Takes the points with ids in [first, end) out; `parked` keeps them on this rank, NULL: they are gone. */
 PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked);
 /*
-  Points outside of the grid: `here` of this rank, at the places `outside`, in ascending order, to be freed; `count` over all ranks. And takes points
-  out, on all ranks: from the last of these places on, the last of all points takes a removed one's place. The arrays are not lent.
+  Points outside of the grid: `here` of this rank, at the places `outside`, in ascending order, to be freed; `count`
+  over all ranks. The second function removes points, on all ranks: from the last of these places on, the last of all
+  points takes a removed one's place. The arrays are not lent.
 */
 PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *here, PetscInt **outside,
                                        PetscInt *count);
 PetscErrorCode MpmParticlesRemoveAt(MpmParticles *particles, PetscInt count, const PetscInt place[]);
-/* All points of this rank as they are, copied; and puts them back in place of those that are there. `kept` is empty then. */
+/* All points of this rank, copied; the second function replaces the present ones by the copies, and empties `kept`. */
 PetscErrorCode MpmParticlesKeep(MpmParticles *particles, MpmParked *kept);
 PetscErrorCode MpmParticlesTakeUp(MpmParticles *particles, MpmParked *kept);
 /* Puts parked points back; MpmParticlesMigrate() then sends them where they belong. */
 PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked);
 /*
-  Copies of these points follow the others, in this order; the point and its copy have half each of what is shared. The total is counted
-  anew. Collective.
+  Copies of these points follow the others, in this order; the point and its copy have half each of extensive fields.
+  The total is counted anew. Collective.
 */
 PetscErrorCode MpmParticlesHalve(MpmParticles *particles, PetscInt count, const PetscInt index[]);
-/* So often a point is divided at most; room for its halves in the ids (divide.c). */
+/* Largest number of divisions of a point; room for its halves in the ids (divide.c). */
 #define MPM_DIVISIONS 5
 /*
-  Divides points whose domains have been drawn out over so many cells, once each, and cuts the domains of those that were divided as often
-  as they may be; `divided`, over all ranks. Collective.
+  Divides points whose domains have been drawn out over so many cells, once each, and cuts the domains of those divided
+  as often as allowed; `divided`, over all ranks. Collective.
 */
 PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, const MpmMaterial *materials,
                                   PetscReal longest, PetscInt *divided);
-/* Places that DMSwarm keeps free: with none, it reallocates all fields for each point that leaves; it clears them, too. */
+/* Spare places of the DMSwarm: without any, it reallocates and clears all fields for each point that leaves. */
 #define MPM_PARTICLES_SPARE 16
 /*
   Moves the partition, not the points, when the fullest rank holds too many and another partition has a good part fewer,
@@ -101,12 +102,12 @@ PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, Pet
 PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, MpmOutcome *outcome);
 /* Displacements are counted from the points' places as they are. */
 PetscErrorCode MpmParticlesStartHere(MpmParticles *particles);
-/* The lowest and highest place of all points along each axis, m. Collective. The points' arrays are lent, if they were not yet. */
+/* Lowest and highest place of all points along each axis, m. Collective. Lends the points' arrays, if not yet lent. */
 PetscErrorCode MpmParticlesGetExtents(MpmParticles *particles, MpmPoints *points, PetscReal lower[], PetscReal upper[]);
-/* Points come to rest: velocities, with their affine parts, and accelerations become zero; Stop of arrays that are lent. */
+/* Points come to rest: velocities, their affine fields and accelerations become 0; MpmPointsStop() of lent arrays. */
 PetscErrorCode MpmParticlesRest(MpmParticles *particles);
 PetscErrorCode MpmPointsStop(const MpmPoints *points, PetscInt dim);
-/* Zeros into a field of one number a point, which is not written to where it has nothing else: contact is mostly far. */
+/* Sets a field of one number a point to zero, writing only where it is not zero: contact is mostly far. */
 PetscErrorCode MpmPointsClear(PetscInt count, PetscReal value[]);
 /* The kinetic energy of this rank's points, J, without what their affine velocities add. */
 PetscReal MpmPointsKinetic(const MpmPoints *points, const MpmMaterial *materials, PetscInt dim);

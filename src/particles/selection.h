@@ -15,8 +15,8 @@ typedef struct {
 /* Reads `at` and `nearest`, or a region; exactly one of the two ways. */
 PetscErrorCode MpmSelectionRead(const MpmOptions *block, const MpmGrid *grid, MpmSelection *selection);
 /*
-  Each point's share in the selection, 0 outside: 1/nearest, or the point's part of the volume of all points in the region.
-  `total` points are there; errors name the option -mpm_<prefix>_<name>_nearest or _region.
+  Each point's share in the selection, 0 outside: 1/nearest, or the point's fraction of the volume of all points in the
+  region. `total` is the number of points; errors name the option -mpm_<prefix>_<name>_nearest or _region.
 */
 PetscErrorCode MpmSelectionShare(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
                                  PetscInt64 total, const char *prefix, const char *name, PetscReal share[]);

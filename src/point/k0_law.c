@@ -1,14 +1,14 @@
 /*
-  The auxiliary law in place of all materials in the balance of k0 (k0_balance.c): whatever the strain, the stress that it adds keeps the
+  The auxiliary law in place of all materials in the balance of k0 (k0_balance.c): for any strain, its stress keeps the
   ratio k0 of the horizontal stresses to the vertical one.
 
     e = sym(F_{n+1} - F_n),   sigma = sigma_n + M (m (m.e) + e_shear + r e),   m = 1 up the vertical axis, k0 across it
 
-  sigma_n  stress at the step's start, given as history like k0, Pa; M a modulus, Pa; e_shear: the components of e off the
-           diagonal; r a small number that keeps the tangent regular, and whose part of the stress does not count
+  sigma_n  stress at the step's start, given as history like k0, Pa; M a modulus, Pa; e_shear: components of e off the
+           diagonal; r a small number that keeps the tangent regular, with a negligible share of the stress
 
   Equilibrium under this law is the smallest change of stress, in the sum of V (change^2), that brings balance and keeps
-  the ratio; displacements are its multipliers. Linear, and so small strain in the physics' sense; no law for scenes.
+  the ratio; displacements are its multipliers. Linear, of small strain in the physics' sense; no law for scenes.
 */
 #include "talus/point/law.h"
 

@@ -45,9 +45,10 @@ typedef struct MpmLayout {
 } MpmLayout;
 
 PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayout *layout);
-/* Do any of the kernel's inputs need the weights, not only their derivatives? */
+/* True where any of the kernel's inputs needs the weights, not only their derivatives. */
 PetscBool MpmLayoutUsesValues(const MpmLayout *layout);
-/* And the deviations of a shape? */
+/* True where any of them needs the deviations of a shape. */
 PetscBool MpmLayoutUsesDeviation(const MpmLayout *layout, PetscInt shape);
-/* The unknown of a node that is the pressure of water: a field with a rate and a gradient, of the scene's shape; or -1. */
+/* The unknown of a node that is the pressure of water, or -1: a field with a rate and a gradient, of the scene's
+   shape. */
 PetscInt MpmPressureComponent(const MpmLayout *layout);

@@ -20,8 +20,8 @@ typedef struct MpmMaterial {
   MpmLawInfo   info;
   double      *parameter;         /* in force; strengths may be reduced */
   double      *given;             /* as the scene has them */
-  int         *set;               /* does the scene give it? */
-  double      *physics_parameter; /* what the physics takes of this material, and of the whole scene */
+  int         *set;               /* given by the scene */
+  double      *physics_parameter; /* parameters of the physics, of this material and of the whole scene */
   MpmLawTable *table;             /* by parameter */
   MpmFunction  law[MPM_FORM_COUNT];
   MpmDilatancy dilatancy;   /* of the law, where F-bar leaves dilation to the points; or NULL */
@@ -61,24 +61,25 @@ PetscInt MpmMaterialOwnSize(const MpmMaterial *material);
 void     MpmMaterialOwn(const MpmMaterial *material, PetscReal height, const PetscReal x[], double own[]);
 /* "E, cohesion": names of the parameters that vary. Free with PetscFree(). */
 PetscErrorCode MpmMaterialVaryingText(const MpmMaterial *material, char **text);
-/* What the physics makes of them, once the scene's gravity, m/s2, is known. */
+/* Derives the physics' parameters, once the scene's gravity, m/s2, is known. */
 PetscErrorCode MpmMaterialPrepare(const MpmPhysics *physics, PetscInt dim, PetscReal gravity, MpmMaterial *material);
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
 /* Divides all strengths that the scene gives by a factor > 0, angles by their tangents; the other parameters stay. */
 void MpmMaterialReduce(MpmMaterial *material, PetscReal factor);
-/* Has it a strength that can be reduced: neither zero nor infinite? */
+/* True where it has a strength that can be reduced: neither zero nor infinite. */
 PetscBool MpmMaterialHasStrength(const MpmMaterial *material);
-/* Are the parameters in force out of range, or against each other? `why` then names one: "dilation 40: must be ...". */
+/* True where the parameters in force are out of range, or contradictory; `why` then names one: "dilation 40: must be
+   ...". */
 #define MPM_FAULT_TEXT 512
 PetscBool MpmMaterialIsFaulty(const MpmMaterial *material, char why[MPM_FAULT_TEXT]);
-/* The same with another value of the parameter of this name; false where the law has no such number. */
+/* MpmMaterialIsFaulty() with another value of the parameter of this name; false where the law has no such number. */
 PetscBool MpmMaterialIsFaultyWith(const MpmMaterial *material, const char *parameter, PetscReal value,
                                   char why[MPM_FAULT_TEXT]);
 /* Initial density, kg/m3; of a material where it varies the least. */
 PetscReal MpmMaterialDensity(const MpmMaterial *material, const double own[]);
 /* Scale of penalties, Pa. */
 PetscReal MpmMaterialPenalty(const MpmMaterial *material, const double own[]);
-/* The largest shear stress that the material bears at a state, Pa; infinite where the law sets no limit of that kind. */
+/* Largest shear stress that the material carries at a state, Pa; infinite where the law sets no limit of that kind. */
 PetscReal MpmMaterialShearStrength(const MpmMaterial *material, const double own[], const PetscReal state[]);
 /* The law's stiffness at a state, Pa, as MpmLawInfo has it; `state` and `F` may be NULL: at rest. */
 PetscReal MpmMaterialStiffness(const MpmMaterial *material, const double own[], const PetscReal state[],
@@ -100,7 +101,7 @@ static inline PetscReal MpmMaterialShearModulusAt(const MpmMaterial *material, c
   return MpmMaterialShearModulus(material, own, state, F);
 }
 /*
-  A bound on the speed of elastic waves at a state, m/s, by lengths as they are there; `stress` is the Cauchy stress, in the
+  A bound on the speed of elastic waves at a state, m/s, by present lengths; `stress` is the Cauchy stress, in the
   components of `dim`. Infinite without density. `state`, `F` and `stress` may be NULL: at rest.
 */
 PetscReal MpmMaterialWaveSpeed(const MpmMaterial *material, const double own[], PetscInt dim, const PetscReal state[],

@@ -1,9 +1,9 @@
 /*
   The parameters of a law, as the scene has them: numbers, words, tables and data.
 
-  A table is text, "0:5e3,10:8e3", or a file of rows x, y. Data are numbers in a file, any number of them a line. In files
-  commas and blanks separate, in lines with semicolons, or tabs between numbers, these, and commas are decimal ones there. What
-  follows a # is a remark; rank 0 reads files and sends what they hold to the others.
+  A table is text, "0:5e3,10:8e3", or a file of rows x, y. Data are numbers in a file, any number of them a line. In
+  files commas and blanks separate. In lines with semicolons, or tabs between numbers, these separate, and commas are
+  decimal ones. A # begins a remark. Rank 0 reads files and sends their contents to the others.
 */
 #include <ctype.h>
 #include <stdio.h>
@@ -32,7 +32,7 @@ static PetscErrorCode Append(Numbers *numbers, PetscReal value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What separates the numbers of a line: where semicolons or tabs do, a comma is a decimal one. */
+/* Separators of the numbers of a line: where semicolons or tabs separate, a comma is a decimal one. */
 static const char *Separators(const char text[])
 {
   if (strchr(text, ';')) return "; \t\r";
@@ -138,7 +138,7 @@ static MpmRange Range(const MpmParameter *parameter)
   return (MpmRange){parameter->lower, parameter->upper, parameter->open ? PETSC_TRUE : PETSC_FALSE};
 }
 
-/* What is wrong with the numbers of a parameter goes into their message. */
+/* Writes faults of the numbers of a parameter into their message. */
 static void CheckNumbers(const MpmParameter *parameter, Numbers *numbers)
 {
   const PetscInt columns = parameter->kind == MPM_TABLE ? 2 : 1;

@@ -109,7 +109,7 @@ static PetscBool UsesBasis(const MpmField *field, PetscInt dim, PetscInt basis)
   return (PetscBool)((basis == MPM_DEVIATION(dim) ? field->deviation : basis <= dim && field->gradient) != 0);
 }
 
-/* Sets the rest of a layout that has its fields, and checks that the kernel takes these. */
+/* Sets the remaining members of a layout that has its fields, and checks that the kernel takes these. */
 static PetscErrorCode SetTraits(const MpmPhysics *physics, MpmLayout *layout)
 {
   const PetscInt dim = layout->dim;

@@ -1,17 +1,17 @@
 /*
   Laboratory paths. Axial is yy.
 
-    isotropic           xx, yy and zz go to the same pressure; no shear strain
+    isotropic           xx, yy and zz go to one pressure; no shear strain
     oedometer           yy is strained, nothing else
     triaxial_drained    yy is strained, xx and zz keep their stress
     triaxial_undrained  yy is strained, xx and zz by as much as keeps the volume
     biaxial_drained     yy is strained, xx keeps its stress, zz its strain of zero
     biaxial_undrained   yy is strained, xx by as much as keeps the volume, zz not
-    simple_shear        F = I + gamma e_x (x) e_y: it turns, so that all of F is prescribed
-    table               as its columns say
+    simple_shear        F = I + gamma e_x (x) e_y, with rotation, so that all of F is prescribed
+    table               by its columns
 
-  The pore pressure of an undrained test plays no part: water and grains keep their volume, and what the law gives is the
-  effective stress.
+  The pore pressure of an undrained test does not matter: water and grains keep their volume, and the law's stress is
+  the effective one.
 */
 #include <stdio.h>
 #include <string.h>

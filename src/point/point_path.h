@@ -1,9 +1,9 @@
 #pragma once
 /*
-  Paths of laboratory tests: what is prescribed to one point, against time.
+  Paths of laboratory tests: prescribed stress and strain of one point, against time.
 
-  A path is a table of stresses and strains by component, linear between its rows; the tests with a name are tables of two
-  rows, from time 0 to 1.
+  A path is a table of stresses and strains by component, linear between its rows; the tests with a name are tables of
+  two rows, from time 0 to 1.
 
   Order of calls: MpmPointPathRead(), MpmPointPathBegin(), MpmPointPathAt(), MpmPointPathDestroy().
 */
@@ -37,7 +37,7 @@ typedef struct {
 PetscErrorCode MpmPointPathRead(const MpmOptions *block, PetscInt dim, MpmStrainMeasure measure, MpmPointPath *path);
 /* Once the stress at the start is known, which is where the path begins: a table must begin there too. */
 PetscErrorCode MpmPointPathBegin(const MpmOptions *block, MpmPointPath *path, const PetscReal stress[MPM_SPACE_SYM]);
-/* What is prescribed at a time. */
+/* Prescribed values at a time. */
 void MpmPointPathAt(const MpmPointPath *path, PetscReal time, MpmPointControl *control);
 /* Into how many steps the time from a row to the next is divided. */
 PetscInt       MpmPointPathSteps(const MpmPointPath *path, PetscInt row);

@@ -1,9 +1,9 @@
 /*
   Laws and physics that callers and plugins add to those that were compiled in.
 
-  The registry is the process', as PETSc's own registries of types are: the only data of the engine, besides the note that
-  a signal leaves, that no model owns. It only grows, until PetscFinalize(), and models look at it only while they read
-  their scene.
+  The registry is the process', as PETSc's own registries of types are: the only data of the engine, besides the note of
+  a signal, that no model owns. Entries are only added, until PetscFinalize(), and models use the registry only while
+  they read their scene.
 */
 #include <dlfcn.h>
 #include "talus/plugin.h"

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What there is to choose from: laws, physics and functions of points, those compiled in and those registered later.
+  Available laws, physics and functions of points, those compiled in and those registered later.
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -9,8 +9,8 @@
 /* Finds a law by name, as compiled for a form. Returns PETSC_FALSE where there is none. */
 PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info);
 /*
-  Its functions in all forms; `info` as compiled for the residual, in plain numbers: stiffness and energy, which steps ask for point by
-  point, take three times as long in the complex ones of the sensitivities.
+  Its functions in all forms. `info` is as compiled for the residual, in plain numbers: stiffness and energy, evaluated
+  by steps point by point, take three times as long in the complex ones of the sensitivities.
 */
 PetscBool MpmLawFindAll(const char *name, PetscInt dim, MpmFunction law[], MpmLawInfo *info);
 /* A built-in physics with its compiled kernels. */
@@ -19,10 +19,10 @@ PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool
 PetscErrorCode MpmPhysicsList(char **words);
 /* The function that gives the diagonal of U = sqrt(F^T F). */
 MpmStretch MpmStretchFind(PetscInt dim);
-/* The same to rounding and in less time, for steps that are made of little else. */
+/* MpmStretchFind() to rounding and in less time, for steps that consist of little else. */
 MpmStretch MpmStretchFindQuick(PetscInt dim);
 
-/* What has been registered besides what was compiled in; NULL behind the last. */
+/* Entries registered besides those compiled in; NULL behind the last. */
 const MpmLawInstance *MpmLawRegistered(PetscInt k);
 const MpmPhysics     *MpmPhysicsRegistered(PetscInt k);
 /* Loads the files of -mpm_plugin; they stay loaded, and a second time does nothing. Collective. */

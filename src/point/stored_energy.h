@@ -5,7 +5,8 @@
 #include "point/material.h"
 #include "talus/point/dense.h"
 
-/* Stored per initial volume, J/m3, at a Cauchy stress and a deformation gradient: the law's, or that of linear elasticity. */
+/* Energy per initial volume, J/m3, at a Cauchy stress and a deformation gradient: the law's, or that of linear
+   elasticity. */
 MPM_INLINE PetscReal MpmStoredEnergy(const MpmMaterial *material, const double own[], PetscInt dim,
                                      const PetscReal stress[], const PetscReal state[], const PetscReal F[])
 {

@@ -3,10 +3,11 @@
 
   With e = Q diag(e_a) Q^T the stretch is U = Q diag(exp(e_a)) Q^T, and its derivative in the direction H is
 
-    dU = Q (D o Q^T H Q) Q^T,   D_ab = (exp(e_a) - exp(e_b))/(e_a - e_b) = exp((e_a + e_b)/2) sinh(t)/t,  t = (e_a - e_b)/2
+    dU = Q (D o Q^T H Q) Q^T,
+    D_ab = (exp(e_a) - exp(e_b))/(e_a - e_b) = exp((e_a + e_b)/2) sinh(t)/t,   t = (e_a - e_b)/2
 
-  (o component by component): exact where principal values are equal or nearly so. Source: Daleckii and Krein (1965), AMS
-  Translations 47, 1-30, doi:10.1090/trans2/047/01.
+  (o component by component): exact where principal values are equal or nearly so. Source: Daleckii and Krein (1965),
+  AMS Translations 47, 1-30, doi:10.1090/trans2/047/01.
 */
 #include <petscsys.h>
 #include <petscblaslapack.h>

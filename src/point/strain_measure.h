@@ -1,7 +1,7 @@
 #pragma once
 /*
-  Measures of the strain of one point, in space also in plane strain: F has 3 x 3 components, row-major, strains have xx,
-  yy, zz, xy, yz, xz, tension positive, tensorial shear (xy is half of gamma_xy).
+  Measures of the strain of one point, in space also in plane strain: F has 3 x 3 components, row-major. Strains have
+  xx, yy, zz, xy, yz, xz, tension positive, tensorial shear (xy is half of gamma_xy).
 
     log          ln V,  V = sqrt(F F^T);    the volume strain is ln J, J = det F
     engineering  sym(F) - I;                the volume strain is J - 1
@@ -20,8 +20,8 @@ extern const PetscInt MpmSpacePairs[MPM_SPACE_SYM][2];
 PetscErrorCode MpmStrainFromDeformation(MpmStrainMeasure measure, const PetscReal F[9],
                                         PetscReal strain[MPM_SPACE_SYM]);
 /*
-  The stretch of that strain, the deformation without rotation: exp(e), or I + e. It may fail to be one (det F <= 0) in the
-  second measure.
+  The stretch of that strain, the deformation without rotation: exp(e), or I + e. In the second measure det F <= 0 is
+  possible, which is no stretch.
 */
 PetscErrorCode MpmStretchFromStrain(MpmStrainMeasure measure, const PetscReal strain[MPM_SPACE_SYM], PetscReal F[9]);
 /* The derivative of that stretch by one component of the strain, xy and yx together. */

@@ -1,15 +1,15 @@
 /*
-  Initial states: deformation and history that give a wanted stress, for any law.
+  Initial states: deformation and history with a given stress, for any law.
 
-  With a symmetric dF = I + H the law's Kirchhoff stress tau(H) is brought to its goal by Newton's method, with the law's
-  own tangent from dual numbers: as many equations as H has components. A law whose state determines its stress
-  (elastic strains as state variables) keeps F = I, so that volume and domain stay those of the body, and tau = sigma;
-  it is evaluated in 3D even in plane strain, so that the component across the plane is met too. Any other law keeps F =
-  I + H, and tau = J sigma.
+  With a symmetric dF = I + H the law's Kirchhoff stress tau(H) is brought to its goal by Newton's method, with the
+  law's own tangent from dual numbers: as many equations as H has components. A law whose state determines its stress
+  (elastic strains as state variables) keeps F = I, so that volume and domain stay those of the body, and tau = sigma.
+  Such a law is evaluated in 3D even in plane strain, so that the component across the plane is met too. Any other law
+  keeps F = I + H, and tau = J sigma.
 
-  A goal outside the yield surface has no solution: the elastic guess is then handed to the law, whose return moves it.
+  A goal outside the yield surface has no solution: the law then gets the elastic trial strain, and its return moves it.
 
-  A law that gives its history from a stress (MpmLawInfo) is asked instead, and then evaluated at rest.
+  A law that has its history from a stress (MpmLawInfo) provides it instead, and is then evaluated at rest.
 */
 #include "point/material.h"
 #include "point/registry.h"
@@ -66,8 +66,8 @@ static void Gradient(const MpmInitial *initial, const PetscReal h[], PetscReal H
 }
 
 /*
-  tau = P dF^T (small strain: P itself), goal = J sigma where F carries the stress, and their derivatives. Non-zero where
-  the law has no answer.
+  tau = P dF^T (small strain: P itself), goal = J sigma where F carries the stress, and their derivatives. Non-zero
+  where the law has no answer.
 */
 static int Evaluate(const MpmInitial *initial, const PetscReal state_n[], const PetscReal sigma[], const PetscReal h[],
                     Response *response)
@@ -145,8 +145,8 @@ static int SolveSmall(PetscInt n, PetscReal A[SYM_MAX][SYM_MAX], const PetscReal
 }
 
 /*
-  h with tau(h) at its goal. Returns 0; or 1 and the elastic guess, that of the initial tangent, where Newton does not
-  get there.
+  h with tau(h) at its goal. Returns 0; or 1 and the elastic trial, that of the initial tangent, where Newton's method
+  does not converge.
 */
 static int FindGradient(const MpmInitial *initial, const PetscReal state_n[], const PetscReal sigma[], PetscReal h[])
 {
@@ -209,7 +209,8 @@ static void CopyState(const MpmMaterial *material, PetscInt from_dim, PetscInt t
   }
 }
 
-/* The law's own history for the stress; non-zero where it has none. 1 in *moved: the yield surface has moved the stress. */
+/* The law's own history for the stress; non-zero where it has none. 1 in *moved: the yield surface has moved the
+   stress. */
 static int AskForHistory(const MpmInitial *initial, PetscReal before[], const PetscReal goal[], PetscReal after[],
                          PetscReal reached[], int *moved)
 {
@@ -245,7 +246,7 @@ static PetscErrorCode UseDimension(PetscInt dim, MpmInitial *initial)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Compressed a little and put back to F = I, does the law still give the same stress? */
+/* Tests the law's memory: compressed a little and returned to F = I, a law without history has its first stress. */
 static PetscErrorCode FindWhetherItRemembers(MpmInitial *initial)
 {
   const PetscReal little = -1e-5, h[SYM_MAX] = {little, little, little, 0., 0., 0.}, rest[SYM_MAX] = {0.};

@@ -1,18 +1,18 @@
 /*
   One step of a stress point.
 
-  The deformation since the start is a stretch, symmetric, that follows from the strain: rotation is fixed, and the strain's
-  components are what is prescribed or unknown. With U(e) the stretch of the strain e, and F_0 what carries the stress at
-  the start, the law is asked as in any run, with dF = U(e_{n+1}) U(e_n)^{-1}. The unknown strains make the stress meet
-  what is prescribed, in its measure:
+  The deformation since the start is a stretch, symmetric, that follows from the strain: rotation is fixed, and the
+  strain's components are prescribed or unknown. With U(e) the stretch of the strain e, and F_0 the initial deformation
+  that carries the stress, the law is evaluated as in any run, with dF = U(e_{n+1}) U(e_n)^{-1}. The unknown strains
+  make the stress equal to the prescribed one, in its measure:
 
     r = tau(dF) - goal  or  tau/J - goal ,   J = det(U F_0)
 
-  by Newton's method with the law's own tangent: tau = P dF^T, where P is the flux of the solid's kernel and its derivative
-  by dF that of the kernel's tangent form, and dF follows dU/de. For a small-strain law P = sigma F_n^T, and J plays no
-  part.
+  by Newton's method with the law's own tangent: tau = P dF^T, where P is the flux of the solid's kernel and its
+  derivative by dF that of the kernel's tangent form, and dF follows dU/de. For a small-strain law P = sigma F_n^T,
+  without J.
 
-  Rank 0 has all unknowns and all equations, so that the solver's monitors speak once; the answer goes to all ranks.
+  Rank 0 has all unknowns and all equations, so that the solver's monitors print once; the answer goes to all ranks.
 */
 #include <petscsys.h>
 #include <petscblaslapack.h>
@@ -29,8 +29,8 @@ const char *const MpmStressMeasures[] = {"cauchy", "kirchhoff", NULL};
 #define NEWTON_LIMIT 50
 #define NOISE        16.   /* machine epsilons of stiffness and stress: the residual that rounding leaves */
 #define SINGULAR     1e-12 /* of the law's stiffness: singular values below are rounding */
-#define STALLED      1e-10 /* of the stress: a residual below this, where a line search gets no further, is rounding too */
-#define STRESS_MET   1e-8 /* relative: how near the stress at the start must be to the wanted one */
+#define STALLED      1e-10 /* of the stress: a residual below this at which a line search stagnates is rounding too */
+#define STRESS_MET   1e-8  /* relative: how near the stress at the start must be to the wanted one */
 
 static PetscBool IsSmallStrain(const MpmStressPoint *point)
 {
@@ -101,7 +101,7 @@ static MpmKernelPoint KernelPoint(const MpmStressPoint *point, const Increment *
                           .table     = point->material->table};
 }
 
-/* Stress in its measure, six components; history where `history` is not NULL. PETSC_FALSE where the law has no answer. */
+/* Stress in its measure, six components; history unless `history` is NULL. PETSC_FALSE where the law has no answer. */
 static PetscBool FindStress(const MpmStressPoint *point, const PetscReal F[9], PetscReal stress[MPM_SPACE_SYM],
                             PetscReal history[])
 {
@@ -192,7 +192,7 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rank 0: the entries of the Jacobian at a strain; none where the law has no answer, as it had none for the residual. */
+/* Rank 0: entries of the Jacobian at a strain; none where the law has no answer, as it had none for the residual. */
 static PetscErrorCode FillJacobian(const MpmStressPoint *point, const PetscReal strain[MPM_SPACE_SYM], Mat matrix)
 {
   const PetscInt n = point->dim;
@@ -260,9 +260,10 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
 /*
   ---- the linear solver: singular values, by rank 0 ----
 
-  Where plastic flow goes along an edge or the apex of the yield surface, stress does not change with strains that only share the flow out:
-  two equal lateral strains, say. The equations then leave the difference open, and the step is the shortest one that meets them. What no
-  strain changes, as at an apex, goes by the law's stiffness, back to where there is some.
+  Where plastic flow goes along an edge or the apex of the yield surface, stress does not change with strains that only
+  redistribute the flow: two equal lateral strains, say. The equations then leave the difference open, and the step is
+  the shortest one that meets them. Components that no strain changes, as at an apex, go by the law's stiffness, back to
+  where there is some.
 */
 static PetscErrorCode Factor(PC pc)
 {
@@ -292,7 +293,8 @@ static PetscErrorCode Factor(PC pc)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* x = V S^+ U^T f, and what is left of f over the law's stiffness; columns of U are side by side, those of V rows of `right`. */
+/* x = V S^+ U^T f, and the remainder of f over the law's stiffness; columns of U are side by side, those of V rows of
+   `right`. */
 static void ShortestStep(const MpmStressPoint *point, PetscScalar f[], PetscScalar x[])
 {
   const PetscInt n = point->count;
@@ -398,8 +400,8 @@ PetscErrorCode MpmStressPointDestroy(MpmStressPoint *point)
 }
 
 /*
-  F and history with a stress. That of stress_inversion.c is Cauchy's: J of a law whose deformation carries the stress is
-  found on the way.
+  F and history with a stress. The stress of stress_inversion.c is Cauchy's: J of a law whose deformation carries the
+  stress is found on the way.
 */
 static int FindStart(const MpmStressPoint *point, const MpmInitial *initial, const PetscReal stress[MPM_SPACE_SYM],
                      PetscReal reached[MPM_SPACE_SYM], PetscReal F[9])
@@ -452,7 +454,8 @@ PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress
 
 /* ---- a step ---- */
 
-/* The unknown strains by Newton's method from those at the step's start, plus `time` times their rate in the last step. */
+/* The unknown strains by Newton's method from those at the step's start, plus `time` times their rate in the last
+   step. */
 static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, MpmOutcome *outcome)
 {
   PetscScalar         unknown[MPM_SPACE_SYM] = {0.}, *x;
@@ -508,7 +511,7 @@ PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *
   } else {
     if (!point->count) PetscCall(PetscArraycpy(point->next.strain, control->value, MPM_SPACE_SYM));
     else PetscCall(Solve(point, 0., outcome));
-    if (outcome->code) PetscCall(Solve(point, dt, outcome)); /* flow that goes on may be too far for an elastic guess */
+    if (outcome->code) PetscCall(Solve(point, dt, outcome)); /* extrapolated flow may be too far for an elastic trial */
     if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmStretchFromStrain(point->strain_measure, point->next.strain, point->next.F));
   }

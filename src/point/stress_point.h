@@ -14,11 +14,11 @@ typedef enum { MPM_STRESS_CAUCHY, MPM_STRESS_KIRCHHOFF } MpmStressMeasure;
 extern const char *const MpmStressMeasures[]; /* their names, NULL behind the last */
 
 /*
-  What the end of a step prescribes: of each component the stress, Pa, or the strain; or the whole deformation, in which
-  case nothing is left to be solved for. In plane strain zz, yz and xz are strains of zero.
+  Prescribed values at the end of a step: of each component the stress, Pa, or the strain; or the whole deformation, in
+  which case nothing is left to be solved for. In plane strain zz, yz and xz are strains of zero.
 */
 typedef struct {
-  PetscBool stress[MPM_SPACE_SYM]; /* does `value` hold the stress, or the strain? */
+  PetscBool stress[MPM_SPACE_SYM]; /* `value` is the stress, otherwise the strain */
   PetscReal value[MPM_SPACE_SYM];
   PetscBool whole; /* F holds, and nothing else */
   PetscReal F[9];  /* since the start, 3 x 3 */

@@ -16,7 +16,7 @@
 
 /* ---- reading ---- */
 
-/* What is wrong with a value, or NULL. */
+/* Fault of a value, or NULL. */
 static const char *WrongValue(const MpmParameter *parameter, PetscReal value, char text[MPM_MUST_TEXT])
 {
   const MpmRange range = {parameter->lower, parameter->upper, (PetscBool)(parameter->open != 0)};
@@ -155,7 +155,7 @@ static PetscErrorCode TakeFile(const char path[], const MpmParameter *parameter,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is the text a file's name? A number has neither a folder nor such an ending. */
+/* True where the text is a file's name: a number has neither a folder nor such an ending. */
 static PetscBool IsFile(const char text[])
 {
   const char *dot = strrchr(text, '.');
@@ -297,7 +297,8 @@ static PetscReal OnLattice(const MpmVariation *variation, const PetscReal x[])
   return sum;
 }
 
-/* From the place beside x in the order of the first coordinates outwards, until that alone is further than the nearest. */
+/* From the place beside x in the order of the first coordinates outwards, until that distance alone exceeds the
+   nearest. */
 static PetscReal Nearest(const MpmVariation *variation, const PetscReal x[])
 {
   PetscInt  low = 0, high = variation->count, best = 0;

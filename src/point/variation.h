@@ -1,7 +1,7 @@
 #pragma once
 /*
-  Parameters of a material that vary from place to place: by height up gravity's axis, or by a field over the axes. Places are
-  those of the initial state.
+  Parameters of a material that vary from place to place: by height up gravity's axis, or by a field over the axes, at
+  places of the initial state.
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -31,8 +31,8 @@ typedef struct MpmVariations {
 } MpmVariations;
 
 /*
-  Reads height:value pairs, or a file with columns height, value or x, y (, z), value, where the option is one of these; a
-  number is left to others. Collective.
+  Reads height:value pairs, or a file with columns height, value or x, y (, z), value, where the option is one of these;
+  a number is left to other readers. Collective.
 */
 PetscErrorCode MpmVariationRead(const MpmOptions *block, const MpmParameter *parameter, PetscInt dim,
                                 MpmVariation *variation);
@@ -40,5 +40,6 @@ PetscErrorCode MpmVariationCopy(const MpmVariation *from, MpmVariation *to);
 PetscErrorCode MpmVariationDestroy(MpmVariation *variation);
 /* Least and largest value. */
 void MpmVariationBounds(const MpmVariation *variation, PetscReal *least, PetscReal *most);
-/* The value at a place: linear between heights or nodes of a lattice, that of the nearest scattered place, constant beyond. */
+/* The value at a place: linear between heights or nodes of a lattice, that of the nearest scattered place, constant
+   beyond. */
 PetscReal MpmVariationEvaluate(const MpmVariation *variation, PetscReal height, const PetscReal x[]);

@@ -17,8 +17,8 @@ static inline PetscReal MpmLargestCompression(PetscInt dim, const PetscReal stre
 }
 
 /*
-  m/s, by lengths as they are; a law's stiffness at the state, as MpmLawInfo has it, Pa, the density of the initial volume, kg/m3, J
-  and the Cauchy stress.
+  Speed of waves, m/s, by present lengths; from a law's stiffness at the state, as MpmLawInfo has it, Pa, the density of
+  the initial volume, kg/m3, J and the Cauchy stress.
 */
 static inline PetscReal MpmWaveSpeed(PetscInt dim, PetscReal stiffness, PetscReal density, PetscReal J,
                                      const PetscReal stress[])

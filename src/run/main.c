@@ -12,7 +12,7 @@
 #include "model/program.h"
 #include "talus/talus.h"
 
-/* What the handler knows of the current error. */
+/* Context of the current error. */
 typedef struct {
   const char *source; /* the options that are being read: whatever goes wrong is their fault */
   int         status; /* of the program, for errors that are the user's to mend; 0: a fault of the program */
@@ -20,8 +20,8 @@ typedef struct {
 } ErrorContext;
 
 /*
-  Input errors become one line on rank 0: ours, what PETSc says of an options file, and names of types that it does not
-  know. So do files that cannot be written. Anything else gets PETSc's traceback.
+  Input errors become one line on rank 0: those of Talus, PETSc's messages about an options file, and names of unknown
+  types; files that cannot be written, too. Anything else gets PETSc's traceback.
 */
 static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function, const char *file, PetscErrorCode code,
                                   PetscErrorType type, const char *message, void *ctx)
@@ -49,7 +49,7 @@ static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function,
 
 #define MESSAGE_LENGTH 400
 
-/* Messages quote what the user wrote: whatever that was, a message is one line of text, whose middle may be left out. */
+/* Makes one line of text of a message, which quotes the user's input; its middle may be left out. */
 static void MakeLine(char message[])
 {
   const size_t length = strlen(message), half = MESSAGE_LENGTH / 2;
@@ -68,7 +68,8 @@ static void MakeLine(char message[])
   }
 }
 
-/* Are the words from this option on kept from PetscInitialize(), which has a traceback or pages of its own for them? */
+/* True where the words from this option on are kept from PetscInitialize(), which has a traceback or pages of its own
+   for them. */
 static int IsWithheld(const char word[])
 {
   static const char *const starts[] = {"-mpm_", "-options_file", "-options_string", "-prefix_"};
@@ -82,8 +83,8 @@ static int IsWithheld(const char word[])
 }
 
 /*
-  PetscInitialize() would answer a bad options file with a traceback, so it is started without what is ours; all of it is
-  read afterwards, in the order of the command line.
+  PetscInitialize() would answer a bad options file with a traceback, so it is started without the options of Talus. All
+  of them are read afterwards, in the order of the command line.
 */
 static PetscErrorCode Initialize(int argc, char **argv, char ***words)
 {
@@ -115,7 +116,7 @@ static PetscErrorCode ReadFile(const char option[], const char path[], PetscBool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the files, in their order, and then the rest of the command line, which overrides them. */
+/* Reads the files, in their order, and then the remaining command line, which overrides them. */
 static PetscErrorCode ReadOptions(int argc, char **argv, MpmSources sources, ErrorContext *context)
 {
   int          count = 1, again;
@@ -153,7 +154,7 @@ static PetscErrorCode ReadOptions(int argc, char **argv, MpmSources sources, Err
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What is asked for instead of a run; PETSC_FALSE where nothing is. */
+/* Options that ask for information instead of a run; PETSC_FALSE where there are none. */
 static PetscErrorCode AnswerQuestions(int argc, int *status, PetscBool *answered)
 {
   char      version[256], *all;
@@ -216,8 +217,8 @@ static PetscErrorCode Run(int argc, char **argv, ErrorContext *context, int *sta
 }
 
 /*
-  The end after a file that could not be written. HDF5 cannot let go of such a file: it tries once more when MPI ends, and
-  crashes. So the program ends without either, once all ranks are here.
+  The end after a file that could not be written. HDF5 cannot close such a file: it tries once more when MPI ends, and
+  crashes. The program therefore ends without either, once all ranks are here.
 */
 static void EndAtOnce(int status)
 {

@@ -49,7 +49,7 @@ static PetscErrorCode ReadScheme(const MpmOptions *block, MpmTimeControl *contro
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What explicit stages say. */
+/* Options of explicit stages. */
 static PetscErrorCode ReadExplicit(const MpmOptions *block, MpmMotionControl *motion)
 {
   static const char *const updates[] = {"musl", "usl", "usf", NULL};
@@ -71,7 +71,7 @@ static PetscErrorCode ReadExplicit(const MpmOptions *block, MpmMotionControl *mo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What takes motion away. */
+/* Options of damping. */
 static PetscErrorCode ReadDamping(const MpmOptions *block, MpmDampingControl *damping)
 {
   PetscFunctionBeginUser;
@@ -114,7 +114,7 @@ static PetscErrorCode CheckMethods(const MpmOptions *block, PetscInt type)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What dynamic stages say beside. */
+/* Further options of dynamic stages. */
 static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *motion)
 {
   static const char *const masses[] = {"consistent", "lumped", NULL};
@@ -161,7 +161,7 @@ static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *moti
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What goes on where a quasi-static step gives up. */
+/* Options of the rescue of a quasi-static step. */
 static PetscErrorCode ReadRescue(const MpmOptions *block, MpmTimeControl *control)
 {
   static const char *const rescues[] = {"none", "relaxation", NULL};
@@ -213,7 +213,7 @@ PetscBool MpmStagesAreImplicit(const MpmModel model)
   return PETSC_FALSE;
 }
 
-/* Does any stage begin with inertia? */
+/* True where any stage begins with inertia. */
 static PetscBool AnyMoves(const MpmModel model)
 {
   for (PetscInt k = 0; k < model->scene.stage_count; k++)
@@ -228,7 +228,7 @@ PetscBool MpmStagesAreDynamic(const MpmModel model)
   return AnyMoves(model);
 }
 
-/* Do points carry what a transfer needs? */
+/* True where points carry the fields of their transfer. */
 PetscBool MpmStagesAreAffine(const MpmModel model)
 {
   for (PetscInt k = 0; k < model->scene.stage_count; k++) {
@@ -239,7 +239,8 @@ PetscBool MpmStagesAreAffine(const MpmModel model)
   return PETSC_FALSE;
 }
 
-/* An explicit step that is given must not be longer than a wave allows in material at rest, where nodes do not take the masses it wants. */
+/* A fixed explicit step must not be longer than a wave allows in material at rest, unless nodes take the scaled
+   masses. */
 static PetscErrorCode CheckExplicit(const MpmModel model, const MpmStage *stage)
 {
   const MpmTimeControl *time = &stage->time;

@@ -13,11 +13,11 @@ PetscErrorCode MpmIntegratorRead(const MpmOptions *block, MpmTimeControl *contro
 void           MpmMotionDefaults(MpmMotionControl *motion);
 /* After the stages have been read: what bodies and materials say for dynamics. */
 PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options);
-/* Does any stage of the scene solve equations; has any inertia in them? */
+/* True where any stage of the scene solves equations; where any of these has inertia. */
 PetscBool MpmStagesSolve(const MpmModel model);
 PetscBool MpmStagesAreImplicit(const MpmModel model);
-/* Are the steps that are solved for minimisations (problem/potential.h)? Once the discretization is set up. */
+/* True where the implicit steps are minimisations (problem/potential.h). Once the discretization is set up. */
 PetscBool MpmStagesMinimise(const MpmModel model);
-/* Does any stage of the scene have inertia, and do its points carry affine velocities? */
+/* True where any stage of the scene has inertia; where its points carry affine velocities. */
 PetscBool MpmStagesAreDynamic(const MpmModel model);
 PetscBool MpmStagesAreAffine(const MpmModel model);

@@ -5,11 +5,11 @@
 #include "base/types.h"
 #include "query/model.h"
 
-/* Does the pressure bound what acts along a surface that may part? Where it sticks, the strength of a material may do
-   so instead. */
+/* True where the pressure bounds the traction along a surface that may part. A material's strength may bound it
+   instead where it sticks. */
 PetscBool MpmPressureBounds(const MpmModel model, PetscReal friction, PetscBool stick);
-/* Contacts of bodies with one another, and the parts of the material that they make (contacts_read.c); is there water?
-   */
+/* Contacts of bodies with one another, and the parts of the material that they make (contacts_read.c); `water`: ground
+   is saturated. */
 PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions *options);
 /*
   Surfaces of bodies (surfaces_read.c): their blocks, behind the boundaries'; which points are those of their bodies,

@@ -1,21 +1,21 @@
 /*
-  What keeps the discrete problem sound: the ghost penalty against small cuts and, on all faces, rows of cells that shear by
-  themselves (ghost_penalty.c), F-bar against volumetric locking (cell_mean.c), smoothed strains (grid/shape.h) and points that
-  are divided (divide.c), and how `auto` chooses.
+  Stabilization of the discrete problem: the ghost penalty against small cuts and, on all faces, against rows of cells
+  that shear on their own (ghost_penalty.c), F-bar against volumetric locking (cell_mean.c), smoothed strains
+  (grid/shape.h) and division of points (divide.c), and the choice of `auto`.
 
   Volumetric locking: where material hardly changes its volume, or flows plastically so that its volume follows from its
-  shear, a low-order grid has more such conditions than unknowns that could meet them, and resists what the material does
-  not. Limit loads and factors of safety then come out too high, on the unsafe side, at any dilation (slope of Griffiths and
-  Lane 1999, doi:10.1680/geot.1999.49.3.387, example 1, 20 cells a height: 1.52 to 1.6 without F-bar, 1.36 with it). So
+  shear, a low-order grid has more such conditions than unknowns that could meet them, and is too stiff. Limit loads and
+  factors of safety are then too high, on the unsafe side, at any dilation (slope of Griffiths and Lane 1999,
+  doi:10.1680/geot.1999.49.3.387, example 1, 20 cells a height: 1.52 to 1.6 without F-bar, 1.36 with it). Therefore
   `auto` takes F-bar where any law flows or has a Poisson's ratio above 0.45.
 
-  Where flow dilates, one volume change for all points of a cell is too much: each would have to grow as the one that is
-  sheared most. Splines of degree 2 and more have unknowns enough for such flow: they go without F-bar where every law that
-  flows dilates. With linear basis functions, in plane strain, F-bar leaves to the points what shear makes `mohr_coulomb`
-  dilate (physics/solid_fbar.c); where steps fail, as in long slides, it averages all from there on.
+  Where flow dilates, one volume change for all points of a cell is too much: each would have to grow as the most
+  sheared one. Splines of degree 2 and more have unknowns enough for such flow, and need no F-bar where every law that
+  flows dilates. With linear basis functions, in plane strain, F-bar leaves to the points the dilation of `mohr_coulomb`
+  by shear (physics/solid_fbar.c); where steps fail, as in long slides, it averages all from there on.
 
-  Where material flows round something that stays in touch with it, points are drawn apart in its wake, and cells without any bear
-  nothing: points are divided there (divide.c).
+  Where material flows round a body in contact, points are drawn apart in its wake, and cells without any carry nothing:
+  points are divided there (divide.c).
 
   Where no more than one component of the displacement is free, as in a column between smooth walls, the volume changes
   with that component alone, nothing can lock, and the mean over a cell would only cost accuracy.
@@ -35,7 +35,7 @@
 #include "scene/integrator_read.h"
 #include "scene/scene_read.h"
 
-/* Which of the words for -mpm_stabilization_fbar; behind `auto` true and false in turn, and at last one more for true. */
+/* Words for -mpm_stabilization_fbar; behind `auto` true and false in turn, and at last one more for true. */
 static const char *const fbar_words[] = {"auto", "true", "false", "yes", "no", "on", "off", "1", "0", "plain", NULL};
 #define FBAR_PLAIN 9
 
@@ -155,7 +155,7 @@ static PetscErrorCode FindBox(const MpmModel model, PetscReal lower[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does the condition prescribe the component at every node of the box, in all stages? */
+/* True where the condition prescribes the component at every node of the box, in all stages. */
 static PetscBool Prescribes(const MpmModel model, PetscInt b, PetscInt component, const PetscReal lower[],
                             const PetscReal upper[])
 {
@@ -187,11 +187,11 @@ static PetscErrorCode CountFree(const MpmModel model, PetscInt *count)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What `auto` says of F-bar, and why. */
+/* Choice of `auto` for F-bar, and its reason. */
 static PetscErrorCode ChooseFbar(MpmModel model)
 {
   const MpmMaterial *locks   = NULL;
-  PetscBool          follows = PETSC_FALSE; /* does a spline follow a law's flow by itself? */
+  PetscBool          follows = PETSC_FALSE; /* a spline follows a law's flow without F-bar */
   PetscInt           count;
 
   PetscFunctionBeginUser;
@@ -215,7 +215,7 @@ static PetscErrorCode ChooseFbar(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does F-bar leave to the points what shear makes the material dilate? */
+/* True where F-bar leaves to the points the material's dilation by shear. */
 static PetscBool LeavesDilation(const MpmModel model, const MpmMaterial *material)
 {
   return (PetscBool)(model->disc.dim == 2 && !model->scene.stabilization.fbar_plain && material->info.dilatancy &&
@@ -270,7 +270,7 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What acts, and why, for the header of a run. */
+/* Active stabilization and its reasons, for the header of a run. */
 PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char text[])
 {
   char      cuts[64] = "no aggregation", ghost[64] = "", interior[64] = "", smooth[80] = "", divide[64] = "";

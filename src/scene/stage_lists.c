@@ -86,7 +86,8 @@ static PetscBool **Marks(MpmStage *stage, const ActiveList *list)
   return (PetscBool **)((char *)stage + list->marks);
 }
 
-/* Conditions, motions, loads and surfaces of all stages; `had` holds how many names were known when each stage's list was read. */
+/* Conditions, motions, loads and surfaces of all stages; `had` is the number of names known when each stage's list was
+   read. */
 static PetscErrorCode ReadActive(MpmScene *scene, const MpmOptions *options)
 {
   ActiveList list[LISTS] = {{"bcs",

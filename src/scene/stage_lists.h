@@ -16,7 +16,7 @@ typedef struct {
 /* The place of a name in a list, or -1. */
 PetscInt MpmStageFindName(PetscInt count, char *const names[], const char *name);
 /*
-  Which of the model's names a stage's list holds, as marks to be freed; new names join where the model's list grows. `given` is
+  The model's names in a stage's list, as marks to be freed; new names join where the model's list grows. `given` is
   false where the stage has no such list. The word `none` is an empty list.
 */
 PetscErrorCode MpmStageMarkList(const MpmOptions *block, const char *list, const char *help, MpmNameList all,

@@ -25,8 +25,8 @@ static PetscErrorCode CheckSteps(const MpmOptions *block, PetscReal end, PetscRe
 }
 
 /*
-  The length of a step, which explicit stages need not have: they do not take that of a stage which solves, either. `ratio` is the
-  shortest over it.
+  The length of a step, optional for explicit stages, which do not take that of a stage which solves either. `ratio` is
+  the shortest over it.
 */
 static PetscErrorCode ReadStep(const MpmOptions *block, PetscBool solved, MpmTimeControl *control, PetscReal ratio)
 {
@@ -86,8 +86,8 @@ PetscErrorCode MpmTimeControlRead(const MpmOptions *options, const char *prefix,
 }
 
 /*
-  Is the next step foretold by the last? Plastic flow under loads is not: measured, Newton then needs more iterations, not fewer. Where
-  a boundary's motion drives it, it is.
+  True where steps are predicted from the last. Plastic flow under loads is not: measured, Newton's method then needs
+  more iterations, not fewer. Flow driven by a boundary's motion is.
 */
 static PetscBool IsForetold(const MpmModel model)
 {
