@@ -42,6 +42,9 @@ struct MpmActing {
   PetscReal force[MPM_MAX_DIM]; /* the last step's reaction, N, in scenes that keep account of energy */
 };
 
+/* Rows of the state (base/rows.h) of conditions that move material. */
+PetscErrorCode MpmConditionsAddRows(const MpmConditions *conditions, MpmActing acting[], MpmRows *rows);
+
 /* Conditions and motions as a step from time_n to `time` takes them; `acting` by condition, then by motion. */
 typedef struct {
   const MpmConditions  *conditions;

@@ -7,6 +7,7 @@
   in the stage. Volume that passes from one condition to another one that moves, too, is not lost. A condition without
   material may wait for it.
 */
+#include "base/rows.h"
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "particles/body.h"
@@ -171,5 +172,26 @@ PetscErrorCode MpmConditionsFindLost(const MpmPrescription *step, MpmActing *act
   }
   PetscCall(PetscFree(mark));
   PetscCall(PetscFree4(moving, nodes, ids, volume));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmConditionsAddRows(const MpmConditions *conditions, MpmActing acting[], MpmRows *rows)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < conditions->count; b++) {
+    const MpmRow row[] = {
+      {"first", MPM_ROW_INT, MPM_ROW_STATE, &acting[b].first, 0, 0},
+      {"end", MPM_ROW_INT, MPM_ROW_STATE, &acting[b].end, 0, 0},
+      {"volume", MPM_ROW_REAL, MPM_ROW_STATE, &acting[b].volume, 0, 0},
+      {"force_x", MPM_ROW_REAL, MPM_ROW_STATE, &acting[b].force[0], 0, 0},
+      {"force_y", MPM_ROW_REAL, MPM_ROW_STATE, &acting[b].force[1], 0, 0},
+      {"force_z", MPM_ROW_REAL, MPM_ROW_STATE, &acting[b].force[2], 0, 0},
+    };
+    char *head = NULL;
+
+    PetscCall(MpmTextAppend(&head, "condition_%s_", conditions->names[b]));
+    PetscCall(MpmRowsAdd(rows, head, PETSC_STATIC_ARRAY_LENGTH(row), row));
+    PetscCall(PetscFree(head));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,7 +2,7 @@
   Checkpoints: when they are written, and what stands in them.
 
   One group /points: every field of the particles, rows by id, with the rank that held each point and its place there,
-  so that as many ranks can restart from just the same state; the model's numbers as attributes (run_state.c); and as bytes
+  so that as many ranks can restart from just the same state; the rows of the state as attributes (query/state.h); and as bytes
   the options that define the scene, the partition, and where the result files stood.
 */
 #include <ctype.h>
@@ -26,8 +26,10 @@ PetscErrorCode MpmCheckpointSetFromOptions(MpmModel model, const MpmOptions *opt
 {
   const MpmOptions block      = {options->comm, "mpm_checkpoint_", options->record};
   MpmCheckpoint   *checkpoint = &model->results->checkpoint;
+  const MpmRow     row        = {"run", MPM_ROW_INT64, MPM_ROW_RUN, &checkpoint->run, 0, 0};
 
   PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, 1, &row));
   checkpoint->keep       = 2;
   checkpoint->step       = -1;
   checkpoint->collective = COLLECTIVE_BYTES;
@@ -249,26 +251,26 @@ static PetscErrorCode WritePoints(MpmModel model, const MpmStateFile *state, Pet
 static PetscErrorCode WriteFile(MpmModel model, const char *path, PetscErrorCode *failed)
 {
   MpmStateFile  state = {.path = path, .group = "/points", .head = MPM_CHECKPOINT_HEAD};
-  MpmScalars    scalars;
+  MpmRowValues  values;
   MpmAttribute *attributes;
   Beside        beside;
 
   PetscFunctionBeginUser;
   PetscCall(BesideSetUp(model, &beside));
-  PetscCall(MpmScalarsCreate(model, &scalars));
-  PetscCall(PetscMalloc1(scalars.count, &attributes));
-  for (PetscInt k = 0; k < scalars.count; k++) {
-    attributes[k] = (MpmAttribute){scalars.name[k], scalars.real[k] ? &scalars.value[k] : NULL,
-                                   scalars.real[k] ? NULL : &scalars.number[k]};
+  PetscCall(MpmStateSave(&model->state, &values));
+  PetscCall(PetscMalloc1(values.count, &attributes));
+  for (PetscInt k = 0; k < values.count; k++) {
+    attributes[k] = (MpmAttribute){values.name[k], values.real[k] ? &values.value[k] : NULL,
+                                   values.real[k] ? NULL : &values.number[k]};
   }
   state.collective      = (PetscInt64)PetscMin(model->results->checkpoint.collective, 1e18);
-  state.attribute_count = scalars.count;
+  state.attribute_count = values.count;
   state.attributes      = attributes;
   state.bytes_count     = beside.count;
   state.bytes           = beside.bytes;
   PetscCall(WritePoints(model, &state, failed));
   PetscCall(PetscFree(attributes));
-  PetscCall(MpmScalarsDestroy(&scalars));
+  PetscCall(MpmRowValuesDestroy(&values));
   PetscCall(BesideDestroy(&beside));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,25 +1,12 @@
 #pragma once
 /*
-  Checkpoints: what they hold (run_state.c), when they are written (checkpoint.c), and runs that go on from one (restart.c).
+  Checkpoints: when they are written, and with what (checkpoint.c), and runs that go on from one (restart.c).
 */
 #include "base/types.h"
 #include "options/database.h"
 #include "io/io.h"
 #include "query/model.h"
 #include "observe/results.h"
-
-/* The model's numbers by name, as they stand in a checkpoint (run_state.c). */
-typedef struct {
-  PetscInt    count;
-  char      **name;
-  PetscBool  *real, *there; /* a real number or an integer; is it in the checkpoint? */
-  PetscReal  *value;
-  PetscInt64 *number;
-} MpmScalars;
-PetscErrorCode MpmScalarsCreate(MpmModel model, MpmScalars *scalars);
-/* Those whose names begin so. */
-PetscErrorCode MpmScalarsRestore(const MpmScalars *scalars, const char *begin, MpmModel model);
-PetscErrorCode MpmScalarsDestroy(MpmScalars *scalars);
 
 PetscErrorCode MpmCheckpointSetFromOptions(MpmModel model, const MpmOptions *options);
 /* The text of all options that define the scene and must be the same when a run goes on, a line each; or of those given. */

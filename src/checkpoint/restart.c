@@ -21,11 +21,11 @@
 #include "checkpoint/checkpoint.h"
 
 struct _p_MpmRestart {
-  char       *path;
-  PetscBool   together; /* do all ranks read the points, or rank 0 alone? */
-  PetscInt    points;
-  MpmScalars  scalars;
-  MpmTextFile scene, partition, history, results, index, grid_index; /* the last three: rank 0 */
+  char        *path;
+  PetscBool    together; /* do all ranks read the points, or rank 0 alone? */
+  PetscInt     points;
+  MpmRowValues values;
+  MpmTextFile  scene, partition, history, results, index, grid_index; /* the last three: rank 0 */
 };
 
 PetscErrorCode MpmRestartDestroy(MpmRestart *handle)
@@ -35,7 +35,7 @@ PetscErrorCode MpmRestartDestroy(MpmRestart *handle)
   PetscFunctionBeginUser;
   if (!restart) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree(restart->path));
-  PetscCall(MpmScalarsDestroy(&restart->scalars));
+  PetscCall(MpmRowValuesDestroy(&restart->values));
   PetscCall(MpmTextFileDestroy(&restart->scene));
   PetscCall(MpmTextFileDestroy(&restart->partition));
   PetscCall(MpmTextFileDestroy(&restart->results));
@@ -90,33 +90,32 @@ static PetscErrorCode ReadBytes(MpmModel model, hid_t group, const char *name, P
 /* All but the points. */
 static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
 {
-  MpmScalars *scalars   = &restart->scalars;
-  PetscInt64  extent[2] = {-1, -1}, points;
-  hid_t       file = H5I_INVALID_HID, group = H5I_INVALID_HID;
+  MpmRowValues *values    = &restart->values;
+  PetscInt64    extent[2] = {-1, -1}, points;
+  hid_t         file = H5I_INVALID_HID, group = H5I_INVALID_HID;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmScalarsCreate(model, scalars));
+  PetscCall(MpmStateSave(&model->state, values));
   if (!model->rank) {
     group = OpenPoints(restart->path, &file);
     if (group >= 0) MpmHdf5Extent(group, "id", extent);
-    for (PetscInt k = 0; k < scalars->count && group >= 0; k++) {
+    for (PetscInt k = 0; k < values->count && group >= 0; k++) {
       double    real;
       long long integer;
 
-      scalars->there[k] =
-        ReadAttribute(group, scalars->name[k], scalars->real[k] ? H5T_NATIVE_DOUBLE : H5T_NATIVE_LLONG,
-                      scalars->real[k] ? (void *)&real : (void *)&integer);
-      if (scalars->there[k] && scalars->real[k]) scalars->value[k] = (PetscReal)real;
-      if (scalars->there[k] && !scalars->real[k]) scalars->number[k] = (PetscInt64)integer;
+      values->there[k] = ReadAttribute(group, values->name[k], values->real[k] ? H5T_NATIVE_DOUBLE : H5T_NATIVE_LLONG,
+                                       values->real[k] ? (void *)&real : (void *)&integer);
+      if (values->there[k] && values->real[k]) values->value[k] = (PetscReal)real;
+      if (values->there[k] && !values->real[k]) values->number[k] = (PetscInt64)integer;
     }
   }
   points = extent[0];
   PetscCallMPI(MPI_Bcast(&points, 1, MPIU_INT64, 0, model->comm));
   MpmCheckInput(points > 0 && points <= PETSC_INT_MAX, "-mpm_restart %s: its points cannot be read", restart->path);
   restart->points = (PetscInt)points;
-  PetscCallMPI(MPI_Bcast(scalars->there, (PetscMPIInt)scalars->count, MPM_MPI_BOOL, 0, model->comm));
-  PetscCallMPI(MPI_Bcast(scalars->value, (PetscMPIInt)scalars->count, MPIU_REAL, 0, model->comm));
-  PetscCallMPI(MPI_Bcast(scalars->number, (PetscMPIInt)scalars->count, MPIU_INT64, 0, model->comm));
+  PetscCallMPI(MPI_Bcast(values->there, (PetscMPIInt)values->count, MPM_MPI_BOOL, 0, model->comm));
+  PetscCallMPI(MPI_Bcast(values->value, (PetscMPIInt)values->count, MPIU_REAL, 0, model->comm));
+  PetscCallMPI(MPI_Bcast(values->number, (PetscMPIInt)values->count, MPIU_INT64, 0, model->comm));
   PetscCall(ReadBytes(model, group, "scene", PETSC_TRUE, &restart->scene));
   PetscCall(ReadBytes(model, group, "partition", PETSC_TRUE, &restart->partition));
   PetscCall(ReadBytes(model, group, "history", PETSC_TRUE, &restart->history));
@@ -353,9 +352,9 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
   MpmOutcome    outcome; /* the next step tells of it */
 
   PetscFunctionBeginUser;
-  PetscCall(MpmScalarsRestore(&restart->scalars, "grid_", model)); /* the points are on the grid of their time */
-  PetscCall(MpmScalarsRestore(&restart->scalars, "time", model));
-  PetscCall(MpmScalarsRestore(&restart->scalars, "place_", model));
+  PetscCall(MpmStateLoad(&model->state, &restart->values, "grid_")); /* the points are on the grid of their time */
+  PetscCall(MpmStateLoad(&model->state, &restart->values, "time"));
+  PetscCall(MpmStateLoad(&model->state, &restart->values, "place_"));
   if (restart->together) {
     first = (PetscInt)((PetscInt64)restart->points * model->rank / model->size);
     rows  = (PetscInt)((PetscInt64)restart->points * (model->rank + 1) / model->size) - first;
@@ -398,7 +397,7 @@ PetscErrorCode MpmRestartApply(MpmModel model)
 
   PetscFunctionBeginUser;
   if (!restart) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmScalarsRestore(&restart->scalars, "", model));
+  PetscCall(MpmStateLoad(&model->state, &restart->values, ""));
   if (leaves_dilation && !model->state.rescue.dilation) MpmStepAverageDilation(model, PETSC_TRUE);
   model->state.rescue.dilation    = (PetscBool)(leaves_dilation && model->state.rescue.dilation);
   model->solver.indefinite        = (PetscBool)(model->solver.indefinite && may_be_indefinite);

@@ -224,6 +224,19 @@ static PetscErrorCode FindSteady(MpmModel model, PetscReal *most, MpmOutcome *ou
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmConsolidationAddRows(MpmModel model)
+{
+  MpmWaterRun *water  = &model->state.scheme.water;
+  const MpmRow rows[] = {
+    {"consolidation_most", MPM_ROW_REAL, MPM_ROW_RUN, &water->most, 0, 0},
+    {"consolidation", MPM_ROW_REAL, MPM_ROW_RUN, &water->degree, 0, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmConsolidationBegin(MpmModel model)
 {
   MpmWaterRun    *state = &model->state.scheme.water;

@@ -8,6 +8,8 @@
 
 /* A line on the length of the stage that begins beside the time of consolidation (consolidation.c). Collective. */
 PetscErrorCode MpmWaterTellStage(MpmModel model);
+/* Rows of the state (base/rows.h). */
+PetscErrorCode MpmConsolidationAddRows(MpmModel model);
 /*
   The end of a stage at a degree of consolidation (consolidation.c). Begin, before a stage's first step, finds the
   steady pressure, which points have in a field of this name; Observe follows each accepted step. Collective.

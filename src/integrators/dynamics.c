@@ -297,6 +297,18 @@ static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f, MpmOutcome *ou
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmDynamicsAddRows(MpmModel model)
+{
+  const MpmRow rows[] = {
+    {"contact_met", MPM_ROW_BOOL, MPM_ROW_STATE, &model->state.scheme.met, 0, 0},
+    {"velocities_behind", MPM_ROW_REAL, MPM_ROW_STATE, &model->state.scheme.behind, 0, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Lumped masses of the unknowns, those of the nodes that follow them included: what gathered forces have to move. */
 static PetscErrorCode GatherMass(MpmModel model, PetscReal mass[])
 {

@@ -32,5 +32,7 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model);
 /* Room for the nodes of the step's space, in model->state.scheme.dynamics and in the inertia's arrays. */
 PetscErrorCode MpmDynamicsResize(MpmModel model);
 PetscErrorCode MpmDynamicsDestroy(MpmDynamics **dynamics);
+/* Rows of the state (base/rows.h). */
+PetscErrorCode MpmDynamicsAddRows(MpmModel model);
 /* Finds how long the next explicit step may be; `outcome` as in MpmIntegrator. */
 PetscErrorCode MpmExplicitLength(MpmModel model, MpmOutcome *outcome);

@@ -580,8 +580,8 @@ static PetscErrorCode Accept(MpmModel model)
   PetscCall(MpmStepFindReactions(model));
   MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
-  model->disc.put_back        = PETSC_FALSE;
-  model->disc.damping->active = PETSC_FALSE;
+  model->state.scheme.put_back = PETSC_FALSE;
+  model->disc.damping->active  = PETSC_FALSE;
   model->state.dt_before = model->state.dt_last = 0.;
   model->state.scheme.behind                    = MpmModelRelaxes(model) ? 0. : 0.5 * sum->dt;
   model->disc.committed                         = PETSC_TRUE;

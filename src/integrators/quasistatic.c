@@ -94,10 +94,10 @@ static PetscErrorCode AcceptStep(MpmModel model)
   PetscCall(AddWork(model));
   PetscCall(Commit(model));
   CorrectSupports(model);
-  model->disc.put_back   = PETSC_FALSE;
-  model->state.dt_last   = model->state.dt_before < 0. ? 0. : model->disc.sum->span;
-  model->state.dt_before = last;
-  model->disc.committed  = PETSC_TRUE;
+  model->state.scheme.put_back = PETSC_FALSE;
+  model->state.dt_last         = model->state.dt_before < 0. ? 0. : model->disc.sum->span;
+  model->state.dt_before       = last;
+  model->disc.committed        = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

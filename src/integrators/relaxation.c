@@ -366,6 +366,25 @@ PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmRelaxationAddRows(MpmModel model)
+{
+  MpmRelaxing *relaxing = &model->state.relaxing;
+  const MpmRow rows[]   = {
+      {"relaxation_energy", MPM_ROW_REAL, MPM_ROW_RUN, &relaxing->kinetic, 0, 0},
+      {"relaxation_work", MPM_ROW_REAL, MPM_ROW_RUN, &relaxing->work, 0, 0},
+      {"relaxation_first", MPM_ROW_REAL, MPM_ROW_RUN, &relaxing->first, 0, 0},
+      {"relaxation_since", MPM_ROW_REAL, MPM_ROW_RUN, &relaxing->since, 0, 0},
+      {"relaxation_reset", MPM_ROW_REAL, MPM_ROW_RUN, &relaxing->reset, 0, 0},
+      {"relaxation_quarter", MPM_ROW_REAL, MPM_ROW_RUN, &relaxing->quarter, 0, 0},
+      {"relaxation_resets", MPM_ROW_INT, MPM_ROW_RUN, &relaxing->resets, 0, 0},
+      {"ended", MPM_ROW_REAL, MPM_ROW_RUN, relaxing->ended, model->scene.stage_count, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmRelaxationOver(MpmModel model, MpmOutcome *outcome)
 {
   MpmState          *state    = &model->state;

@@ -21,5 +21,7 @@ PetscBool MpmCouldRelax(const MpmModel model);
 PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal force[]);
 PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped);
 PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[]);
+/* Rows of the state (base/rows.h). */
+PetscErrorCode MpmRelaxationAddRows(MpmModel model);
 /* After a step. Failure: the stage's time is over and nothing is at rest. */
 PetscErrorCode MpmRelaxationOver(MpmModel model, MpmOutcome *outcome);

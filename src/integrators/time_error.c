@@ -40,6 +40,17 @@
 
 const char *const MpmTimeErrorField = "value_start";
 
+PetscErrorCode MpmTimeErrorAddRows(MpmModel model)
+{
+  const MpmRow rows[] = {
+    {"largest_change", MPM_ROW_REAL, MPM_ROW_STATE, &model->state.scheme.largest, 0, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTimeErrorBegin(MpmModel model)
 {
   PetscReal *start;

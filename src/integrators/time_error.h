@@ -6,6 +6,8 @@
 #include "base/types.h"
 #include "talus/talus.h"
 
+/* Rows of the state (base/rows.h). */
+PetscErrorCode MpmTimeErrorAddRows(MpmModel model);
 /*
   The error in time that chooses the steps (time_error.c): Begin notes the fields as a stage starts,
   Factor is how much longer the next step may be than the last one tried, by its estimate: infinity where nobody asks.

@@ -26,11 +26,20 @@
 #include "scene/scene_read.h"
 #include "scene/stage_lists.h"
 #include "scene/stage_read.h"
+#include "step/energy.h"
 #include "step/moving_grid.h"
 #include "step/water_state.h"
+#include "integrators/consolidation.h"
 #include "integrators/dynamics.h"
 #include "integrators/integrators.h"
+#include "integrators/relaxation.h"
 #include "integrators/sdirk.h"
+#include "integrators/time_error.h"
+#include "schedule/geostatic.h"
+#include "schedule/reduction.h"
+#include "schedule/rescue.h"
+#include "schedule/schedule.h"
+#include "schedule/settle.h"
 #include "schedule/stage.h"
 #include "observe/lines.h"
 #include "observe/results.h"
@@ -56,7 +65,7 @@ static PetscErrorCode CreateParts(MpmModel model)
   PetscCall(PetscNew(&model->scene.loads));
   PetscCall(PetscNew(&model->scene.water));
   PetscCall(PetscNew(&model->scene.surfaces));
-  PetscCall(PetscNew(&model->state.particles));
+  PetscCall(MpmStateCreate(&model->state));
   PetscCall(PetscNew(&grid));
   PetscCall(PetscNew(&layout));
   PetscCall(MpmDiscretizationCreate(model->comm, grid, layout, &model->disc));
@@ -224,21 +233,16 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(MpmCheckpointDestroy(&model->results->checkpoint));
   PetscCall(MpmOutputDestroy(&model->results->output));
   PetscCall(MpmHistoryDestroy(&model->results->history));
-  PetscCall(MpmParticlesDestroy(model->state.particles));
   PetscCall(MpmGridDestroy(model->disc.grid));
   PetscCall(PetscFree(model->disc.grid));
   PetscCall(PetscFree(model->disc.layout));
-  PetscCall(PetscFree(model->state.particles));
   for (PetscInt k = 0; model->results->tracks.at && k < model->results->tracks.count; k++)
     PetscCall(MpmTrackDestroy(&model->results->tracks.at[k]));
   PetscCall(PetscFree(model->results->tracks.at));
-  PetscCall(PetscFree(model->state.bcs));
-  PetscCall(PetscFree(model->state.loads));
-  PetscCall(PetscFree(model->state.walls.at));
-  PetscCall(PetscFree(model->state.placements));
   PetscCall(MpmSdirkDestroy(&model->state.scheme.sdirk));
   PetscCall(MpmDynamicsDestroy(&model->state.scheme.dynamics));
   PetscCall(MpmStagesDestroy(model));
+  PetscCall(MpmStateDestroy(&model->state));
   PetscCall(DestroyScene(&model->scene));
   PetscCall(MpmNamesDestroy(model->results->tracks.count, &model->results->tracks.names));
   PetscCall(MpmNamesDestroy(model->results->output_field_count, &model->results->output_fields));
@@ -453,6 +457,7 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
       model->solver.at_rest.serves = PETSC_TRUE;
   }
   MpmRigidStart(model->scene.boundaries->count, model->scene.boundaries->at, model->state.placements);
+  PetscCall(MpmRigidAddRows(model->scene.boundaries, model->state.placements, model->state.rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -504,6 +509,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
   PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls.at));
   PetscCall(PetscCalloc1((model->scene.bcs->count + model->scene.motions->count), &model->state.bcs));
+  PetscCall(MpmConditionsAddRows(model->scene.bcs, model->state.bcs, model->state.rows));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
     PetscCall(MpmConditionCreate(options, model->scene.bcs->names[b], model->disc.grid, model->disc.layout,
                                  &model->scene.bcs->at[b]));
@@ -570,6 +576,20 @@ static PetscErrorCode TakeOptions(MpmModel model)
 }
 
 /* A scene of bodies on a grid. */
+/* Parts whose numbers need no option. */
+static PetscErrorCode AddRows(MpmModel model)
+{
+  PetscErrorCode (*const parts[])(MpmModel) = {MpmEnergyAddRows,        MpmDynamicsAddRows,   MpmTimeErrorAddRows,
+                                               MpmConsolidationAddRows, MpmRelaxationAddRows, MpmStepControlAddRows,
+                                               MpmRescueAddRows,        MpmSlideAddRows,      MpmReductionAddRows,
+                                               MpmSettleAddRows,        MpmGeostaticAddRows};
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(parts); k++) PetscCall(parts[k](model));
+  PetscCall(MpmSolverAddRows(&model->solver, model->state.rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options, PetscInt dim, const char *physics)
 {
   PetscBool particular;
@@ -588,6 +608,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(ReadOutput(model, options));
   PetscCall(MpmCheckpointSetFromOptions(model, options));
   PetscCall(MpmSolverSetFromOptions(&model->solver, options));
+  PetscCall(AddRows(model));
   PetscCall(MpmOptionsHas(options, "dim", &particular));
   if (MpmOptionsHelp() && !particular) PetscCall(MpmLaboratoryPrintHelp(model, options));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -33,9 +33,11 @@ static PetscErrorCode ResultPath(MpmModel model, const char *suffix, char path[]
 PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block)
 {
   static const char *const words[]   = {"double", "single", NULL};
+  const MpmRow             row       = {"output_step", MPM_ROW_INT, MPM_ROW_RUN, &model->results->output_step, 0, 0};
   PetscInt                 precision = 0;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, 1, &row));
   PetscCall(MpmOptionsBool(block, "grid", "write the grid too: its active nodes and cells",
                            &model->results->output_grid, NULL));
   PetscCall(MpmOptionsWord(block, "precision", "of the reals that are written", words, MPM_OPTIONAL, &precision, NULL));
@@ -228,7 +230,7 @@ static PetscErrorCode AnyWaits(MpmModel model, PetscBool *any)
   *any = PETSC_FALSE;
   if (!model->results->tracks.count || !model->scene.stages[0].name) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
-    if (model->state.parked[b].count) *any = PETSC_TRUE;
+    if (model->state.scheme.parked[b].count) *any = PETSC_TRUE;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, any, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

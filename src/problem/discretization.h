@@ -33,7 +33,6 @@ typedef struct MpmDiscretization {
   PetscReal       *u, *residual, *force;
   PetscReal       *deviation_n; /* of the points; sum->deviation_n */
   PetscReal       *reaction;    /* per condition or, behind them, motion, and component of the block */
-  PetscBool        put_back;    /* the points were put back after the last step (MpmRules) */
   PetscBool        committed;   /* do these three tell of the last step that has become the state? */
   PetscReal        diagonal;    /* of prescribed unknowns: a typical stiffness */
   PetscReal        ghost;       /* factor of the ghost penalty, 0: none */

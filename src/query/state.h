@@ -1,8 +1,10 @@
 #pragma once
 /*
-  How far a run has come.
+  The state of a run: how far it has come, with all that a checkpoint holds. Parts register the rows of their numbers with it
+  (base/rows.h), in their own files.
 */
 #include "base/base.h"
+#include "base/rows.h"
 #include "base/types.h"
 
 /* Where strength is reduced. */
@@ -125,7 +127,9 @@ typedef struct {
   PetscBool  water_held;          /* the pressure of the water is not solved for: geostatic stages */
   MpmEnergy  energy;
   MpmSlide   slide;
-  MpmFading *fading; /* per body: whether it is being taken away */
+  MpmFading *fading;   /* per body: whether it is being taken away */
+  MpmParked *parked;   /* per body: points that a later stage adds */
+  PetscBool  put_back; /* the points were put back after the last step, which kept their stress (geostatic.c) */
   MpmRescuing rescuing;
   MpmSettling settling;
   PetscReal   order;   /* the power of a step's length that the estimate goes with */
@@ -137,6 +141,7 @@ typedef struct {
 
 /* What moves on: points, time, and how steps go. */
 typedef struct {
+  MpmRows       *rows; /* of the numbers that a checkpoint holds besides the points */
   MpmScheme      scheme;
   MpmParticles  *particles;
   PetscReal      time, time_end, dt_nominal, dt_min, dt_max, growth;
@@ -147,7 +152,6 @@ typedef struct {
   PetscBool      predict; /* start from the last step's increment */
   PetscInt       step, cuts, cuts_total;
   PetscInt       stage;      /* the one under way */
-  MpmParked     *parked;     /* per body: points that a later stage adds */
   MpmActing     *bcs;        /* by the scene's lists: what acts in the stage under way; motions behind conditions */
   MpmLoadActing *loads;      /* surfaces behind loads */
   MpmWalls       walls;      /* that follow from it */
@@ -161,3 +165,20 @@ typedef struct {
   MpmGridMotion  grid;
   MpmPlacement  *placements; /* by the scene's boundaries: how far those have come that move by themselves */
 } MpmState;
+
+/* The state at a time, in memory: the points of this rank and the rows of use MPM_ROW_STATE. */
+typedef struct {
+  MpmParked   *points;
+  MpmRowValues values;
+} MpmStateKept;
+
+/* An empty state with its own rows. The arrays by the scene's lists are allocated where those are read. */
+PetscErrorCode MpmStateCreate(MpmState *state);
+PetscErrorCode MpmStateDestroy(MpmState *state);
+/* The numbers for a checkpoint, and those of one whose names begin so into the state. */
+PetscErrorCode MpmStateSave(const MpmState *state, MpmRowValues *values);
+PetscErrorCode MpmStateLoad(MpmState *state, const MpmRowValues *values, const char begin[]);
+/* Copy, and the state of a copy again, while no arrays of the points are lent; Forget frees a copy that is not needed. */
+PetscErrorCode MpmStateCopy(const MpmState *state, MpmStateKept *kept);
+PetscErrorCode MpmStateReturn(MpmState *state, MpmStateKept *kept);
+PetscErrorCode MpmStateForget(MpmStateKept *kept);

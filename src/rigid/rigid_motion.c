@@ -22,6 +22,7 @@
 
   Where one of three rotations is held, its moment would get into the rows of the other two by r x m: there, s m/(2 L) is balanced.
 */
+#include "base/rows.h"
 #include "rigid/rigid_motion.h"
 
 static void Cross(const PetscReal a[3], const PetscReal b[3], PetscReal c[3])
@@ -359,4 +360,26 @@ void MpmRigidMode(const MpmRigidBody *body, const PetscReal origin[], const Pets
   for (PetscInt a = 0; a < 3; a++) mode[0][a] += along[a];
   for (PetscInt a = 0; a < 3; a++)
     mode[1][a] = a < RotationCount(body) ? body->freedom->size * turn[RotationAxis(body, a)] : 0.;
+}
+
+PetscErrorCode MpmRigidAddRows(const MpmBoundaries *boundaries, MpmPlacement placements[], MpmRows *rows)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < boundaries->count; b++) {
+    MpmPlacement *place = &placements[b];
+    const MpmRow  row[] = {
+       {"", MPM_ROW_REAL, MPM_ROW_STATE, place->shift, 3, 0},
+       {"", MPM_ROW_REAL, MPM_ROW_STATE, place->turn, 4, 3},
+       {"", MPM_ROW_REAL, MPM_ROW_STATE, place->last, 6, 7},
+       {"", MPM_ROW_REAL, MPM_ROW_STATE, place->velocity, 6, 13},
+       {"", MPM_ROW_REAL, MPM_ROW_STATE, place->acceleration, 6, 19},
+    };
+    char *head = NULL;
+
+    if (!boundaries->at[b].freedom) continue;
+    PetscCall(MpmTextAppend(&head, "place_%s", boundaries->names[b]));
+    PetscCall(MpmRowsAdd(rows, head, PETSC_STATIC_ARRAY_LENGTH(row), row));
+    PetscCall(PetscFree(head));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

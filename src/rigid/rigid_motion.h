@@ -26,6 +26,9 @@ struct MpmPlacement {
   PetscReal velocity[6], acceleration[6]; /* of the unknowns, where the body has a mass */
 };
 
+/* Rows of the state (base/rows.h) of the free ones among a scene's boundaries. */
+PetscErrorCode MpmRigidAddRows(const MpmBoundaries *boundaries, MpmPlacement placements[], MpmRows *rows);
+
 /* An increment of a body's place, as the unknowns have it: translation, Rodrigues' parameters and their rotation. */
 typedef struct {
   PetscReal shift[3], r[3], R[3][3], scale; /* scale: 2/(1 + r.r) */

@@ -520,7 +520,7 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
   PetscCall(MpmSceneTimeRead(model, options, &scene));
   MpmRelaxationDefaults(&relaxation);
   if (scene.rescue || MpmOptionsHelp()) PetscCall(ReadRelaxation(options, NULL, PETSC_TRUE, &relaxation));
-  PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.parked));
+  PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.scheme.parked));
   PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.scheme.fading));
   PetscCall(PetscMalloc1(model->scene.stage_count, &model->state.relaxing.ended));
   for (PetscInt k = 0; k < model->scene.stage_count; k++) model->state.relaxing.ended[k] = -1.;

@@ -11,6 +11,26 @@
 #include "query/model.h"
 #include "scene/scene_read.h"
 
+/* Rows of the state of surfaces: bodies' points, and water that has passed. */
+static PetscErrorCode AddRows(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
+    MpmLoadActing *acting = &model->state.loads[model->scene.loads->count + k];
+    const MpmRow   rows[] = {
+        {"first", MPM_ROW_INT, MPM_ROW_RUN, &acting->first, 0, 0},
+        {"end", MPM_ROW_INT, MPM_ROW_RUN, &acting->end, 0, 0},
+        {"outflow", MPM_ROW_REAL, MPM_ROW_STATE, &acting->outflow, 0, 0},
+    };
+    char *head = NULL;
+
+    PetscCall(MpmTextAppend(&head, "surface_%s_", model->scene.surfaces->names[k]));
+    PetscCall(MpmRowsAdd(model->state.rows, head, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+    PetscCall(PetscFree(head));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSurfacesRead(MpmModel model, const MpmOptions *options)
 {
   MpmBodySurfaces *surfaces = model->scene.surfaces;
@@ -18,6 +38,7 @@ PetscErrorCode MpmSurfacesRead(MpmModel model, const MpmOptions *options)
   PetscFunctionBeginUser;
   PetscCall(MpmBodySurfacesAddDrained(model->scene.boundaries, surfaces));
   PetscCall(PetscCalloc1((model->scene.loads->count + surfaces->count), &model->state.loads));
+  PetscCall(AddRows(model));
   for (PetscInt k = 0; k < surfaces->named; k++) {
     PetscReal tolerance[MPM_MAX_DIM];
 

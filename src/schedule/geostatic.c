@@ -168,7 +168,7 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, Mpm
   if (!outcome->code) {
     PetscCall(PutBack(model, rest));
     PetscCall(MpmPairsPutBack(model->disc.pairs, rest->n, model->state.particles));
-    model->disc.put_back = PETSC_TRUE;
+    model->state.scheme.put_back = PETSC_TRUE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -293,6 +293,17 @@ static PetscErrorCode PrintRest(MpmModel model, const MpmRest *rest, PetscInt so
   PetscCall(MpmMonitorLine(&model->monitor,
                            "geostatic: in equilibrium after %" PetscInt_FMT " iteration%s, to %.3g m%s%s", solved,
                            solved > 1 ? "s" : "", (double)rest->moved, corrected, outside));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGeostaticAddRows(MpmModel model)
+{
+  const MpmRow rows[] = {
+    {"points_put_back", MPM_ROW_BOOL, MPM_ROW_STATE, &model->state.scheme.put_back, 0, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -27,5 +27,7 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, Mpm
 PetscErrorCode MpmRestKeepMass(MpmModel model, const MpmRest *rest);
 /* Gives all points the stage's stress of k0, and F and history with it (k0_balance.c). */
 PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest);
+/* Rows of the state (base/rows.h). */
+PetscErrorCode MpmGeostaticAddRows(MpmModel model);
 /* The whole of a geostatic stage (geostatic.c). */
 PetscErrorCode MpmGeostaticRun(MpmModel model, MpmOutcome *outcome);

@@ -6,6 +6,8 @@
 #include "base/types.h"
 #include "talus/talus.h"
 
+/* Rows of the state (base/rows.h). */
+PetscErrorCode MpmReductionAddRows(MpmModel model);
 /* Once the points are there: are materials without strength more than half of the mass of a stage that reduces? */
 PetscErrorCode MpmReductionCheck(MpmModel model);
 /*

@@ -96,13 +96,13 @@ static PetscErrorCode SetBody(MpmModel model, PetscInt body, PetscReal time, Pet
   PetscFunctionBeginUser;
   MpmBodyGetIds(model->scene.bodies->at[body], &first, &end);
   if (fading->gone && left > 0.) {
-    PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[body]));
+    PetscCall(MpmParticlesReturn(model->state.particles, &model->state.scheme.parked[body]));
     fading->gone = PETSC_FALSE;
     *moved       = PETSC_TRUE;
   }
   if (!(left > 0.)) {
     if (fading->gone) PetscFunctionReturn(PETSC_SUCCESS);
-    PetscCall(MpmParticlesRemove(model->state.particles, first, end, &model->state.parked[body]));
+    PetscCall(MpmParticlesRemove(model->state.particles, first, end, &model->state.scheme.parked[body]));
     fading->gone = *moved = PETSC_TRUE;
   } else if (left != fading->left) {
     PetscCall(ScaleBody(model, body, left / fading->left));
@@ -134,9 +134,9 @@ PetscErrorCode MpmRemovalCommit(MpmModel model)
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     if (!model->state.scheme.fading[b].gone) continue;
-    PetscCall(PetscFree(model->state.parked[b].data));
-    model->state.parked[b].count  = 0;
-    model->state.scheme.fading[b] = (MpmFading){.ramp = NULL};
+    PetscCall(PetscFree(model->state.scheme.parked[b].data));
+    model->state.scheme.parked[b].count = 0;
+    model->state.scheme.fading[b]       = (MpmFading){.ramp = NULL};
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -117,6 +117,27 @@ static PetscErrorCode Finish(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmRescueAddRows(MpmModel model)
+{
+  MpmRescuing *rescuing = &model->state.scheme.rescuing;
+  const MpmRow rows[]   = {
+      {"rescue_on", MPM_ROW_BOOL, MPM_ROW_RUN, &rescuing->on, 0, 0},
+      {"rescue_start", MPM_ROW_REAL, MPM_ROW_RUN, &rescuing->start, 0, 0},
+      {"rescue_end", MPM_ROW_REAL, MPM_ROW_RUN, &rescuing->end, 0, 0},
+      {"rescue_clock", MPM_ROW_REAL, MPM_ROW_RUN, &rescuing->clock, 0, 0},
+      {"rescue_ramp", MPM_ROW_REAL, MPM_ROW_RUN, &rescuing->ramp, 0, 0},
+      {"rescue_work", MPM_ROW_REAL, MPM_ROW_RUN, &rescuing->work, 0, 0},
+      {"rescue_first", MPM_ROW_REAL, MPM_ROW_RUN, &rescuing->first, 0, 0},
+      {"rescue_since", MPM_ROW_REAL, MPM_ROW_RUN, &rescuing->since, 0, 0},
+      {"rescue_steps", MPM_ROW_INT, MPM_ROW_RUN, &rescuing->steps, 0, 0},
+      {"rescues", MPM_ROW_INT, MPM_ROW_RUN, &rescuing->count, 0, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmRescueOver(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
 {
   MpmRescuing       *rescuing = &model->state.scheme.rescuing;

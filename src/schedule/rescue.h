@@ -5,6 +5,8 @@
 #include "base/types.h"
 #include "talus/talus.h"
 
+/* Rows of the state (base/rows.h). */
+PetscErrorCode MpmRescueAddRows(MpmModel model);
 /* Does the stage under way want it, and may its integrator give way? */
 PetscBool MpmRescueServes(const MpmModel model);
 /* Begins one, to the end of a whole step of the stage; `why`: reason of the step's failure. */

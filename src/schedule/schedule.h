@@ -11,6 +11,8 @@
   stands.
 */
 PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome);
+/* Rows of the state (base/rows.h). */
+PetscErrorCode MpmStepControlAddRows(MpmModel model);
 /* The points' places and their ranks, for a step that begins there. */
 PetscErrorCode MpmStepArrange(MpmModel model, MpmOutcome *outcome);
 /* F-bar averages dilation, too, or no longer: what a run falls back to where steps fail again and again. */
@@ -21,6 +23,8 @@ PetscReal MpmTimeRound(PetscReal time);
 PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step);
 /* One step, cut as often as needed; `dt` is its length (step_control.c). */
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, MpmOutcome *outcome);
+/* Rows of the state (base/rows.h). */
+PetscErrorCode MpmSlideAddRows(MpmModel model);
 /*
   Loss of equilibrium (slide.c): Begin with a stage; Look at a solution to `next`, refused where it is
   suspected, and not `retryable` once shorter steps move as far; Observe after a step that was accepted; Suspects: has one of the

@@ -88,35 +88,12 @@ static PetscErrorCode FindUnrest(MpmModel model, PetscReal *unrest)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where a step begins, for one that does not come to rest. */
-typedef struct {
-  MpmParked points;
-  PetscReal time, last, before;
-} Start;
-
-static PetscErrorCode Keep(MpmModel model, Start *start)
+/* The state of the step's start again. */
+static PetscErrorCode GoBack(MpmModel model, MpmStateKept *start)
 {
   PetscFunctionBeginUser;
-  start->time   = model->state.time;
-  start->last   = model->state.dt_last;
-  start->before = model->state.dt_before;
-  PetscCall(MpmParticlesKeep(model->state.particles, &start->points));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Goes back there with `back`. */
-static PetscErrorCode Leave(MpmModel model, PetscBool back, Start *start)
-{
-  PetscFunctionBeginUser;
-  if (!back) {
-    PetscCall(PetscFree(start->points.data));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  PetscCall(MpmParticlesTakeUp(model->state.particles, &start->points));
-  model->state.time      = start->time;
-  model->state.dt_last   = start->last;
-  model->state.dt_before = start->before;
+  PetscCall(MpmStateReturn(&model->state, start));
   PetscCall(MpmReductionApply(model, model->state.time));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -160,16 +137,29 @@ static PetscErrorCode Move(MpmModel model, PetscReal next, PetscReal dt, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSettleAddRows(MpmModel model)
+{
+  MpmSettling *settling = &model->state.scheme.settling;
+  const MpmRow rows[]   = {
+      {"settles", MPM_ROW_BOOL, MPM_ROW_RUN, &settling->needed, 0, 0},
+      {"settling_time", MPM_ROW_REAL, MPM_ROW_RUN, &settling->tau, 0, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSettle(MpmModel model, PetscReal next, PetscReal dt, MpmOutcome *outcome)
 {
   MpmSettling    *settling = &model->state.scheme.settling;
   const PetscBool predict  = model->state.predict;
   PetscReal       crossing;
-  Start           start;
+  MpmStateKept    start;
 
   PetscFunctionBeginUser;
   PetscCall(FindCrossing(model, &crossing));
-  PetscCall(Keep(model, &start));
+  PetscCall(MpmStateCopy(&model->state, &start));
   MpmOutcomeClear(outcome);
   settling->on     = PETSC_TRUE;
   settling->newton = 0;
@@ -179,7 +169,8 @@ PetscErrorCode MpmSettle(MpmModel model, PetscReal next, PetscReal dt, MpmOutcom
   model->state.predict = predict;
   settling->on         = PETSC_FALSE;
   PetscCall(MpmSettleSet(model));
-  PetscCall(Leave(model, (PetscBool)(outcome->code != MPM_OUTCOME_DONE), &start));
+  if (outcome->code) PetscCall(GoBack(model, &start));
+  else PetscCall(MpmStateForget(&start));
   model->solver.newton = settling->newton;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -230,6 +230,27 @@ PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, MpmOutcome *outcome)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSlideAddRows(MpmModel model)
+{
+  MpmSlide    *slide  = &model->state.scheme.slide;
+  const MpmRow rows[] = {
+    {"slide_ways", MPM_ROW_REAL, MPM_ROW_RUN, &slide->ways, 0, 0},
+    {"slide_forces", MPM_ROW_REAL, MPM_ROW_RUN, &slide->forces, 0, 0},
+    {"slide_ratio", MPM_ROW_REAL, MPM_ROW_RUN, &slide->ratio, 0, 0},
+    {"slide_steady_ways", MPM_ROW_REAL, MPM_ROW_RUN, &slide->steady[0], 0, 0},
+    {"slide_steady_forces", MPM_ROW_REAL, MPM_ROW_RUN, &slide->steady[1], 0, 0},
+    {"slide_steady_time", MPM_ROW_REAL, MPM_ROW_RUN, &slide->steady[2], 0, 0},
+    {"slide_slid", MPM_ROW_REAL, MPM_ROW_RUN, &slide->slid, 0, 0},
+    {"slide_end", MPM_ROW_REAL, MPM_ROW_RUN, &slide->end, 0, 0},
+    {"slide_span", MPM_ROW_REAL, MPM_ROW_RUN, &slide->span, 0, 0},
+    {"slide_way", MPM_ROW_REAL, MPM_ROW_RUN, &slide->way, 0, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 void MpmSlideObserve(MpmModel model)
 {
   MpmSlide *slide = &model->state.scheme.slide;

@@ -56,12 +56,10 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
     PetscCall(MpmRampDestroy(&stage->change));
     PetscCall(MpmRampDestroy(&stage->reduction.ramp));
   }
-  for (PetscInt b = 0; model->state.parked && b < model->scene.bodies->count; b++)
-    PetscCall(PetscFree(model->state.parked[b].data));
+  for (PetscInt b = 0; model->state.scheme.parked && b < model->scene.bodies->count; b++)
+    PetscCall(PetscFree(model->state.scheme.parked[b].data));
   PetscCall(PetscFree(model->scene.stages));
-  PetscCall(PetscFree(model->state.parked));
-  PetscCall(PetscFree(model->state.scheme.fading));
-  PetscCall(PetscFree(model->state.relaxing.ended));
+  PetscCall(PetscFree(model->state.scheme.parked));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -83,7 +81,7 @@ static PetscErrorCode ParkAbsent(MpmModel model, PetscInt stage)
     }
     if (there) continue;
     MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
-    PetscCall(MpmParticlesRemove(model->state.particles, first, end, &model->state.parked[b]));
+    PetscCall(MpmParticlesRemove(model->state.particles, first, end, &model->state.scheme.parked[b]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -92,7 +90,7 @@ static PetscErrorCode ReturnAll(MpmModel model)
 {
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
-    PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
+    PetscCall(MpmParticlesReturn(model->state.particles, &model->state.scheme.parked[b]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,7 +147,7 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
-    if (stage->adds[b]) PetscCall(MpmParticlesReturn(model->state.particles, &model->state.parked[b]));
+    if (stage->adds[b]) PetscCall(MpmParticlesReturn(model->state.particles, &model->state.scheme.parked[b]));
     if (stage->removed[b] && !MpmRemovalBegin(model, stage, b))
       PetscCall(MpmParticlesRemove(model->state.particles, first, end, NULL));
   }
@@ -292,8 +290,8 @@ PetscErrorCode MpmStageResume(MpmModel model)
     for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
       if (model->scene.stages[k].removed[b]) (void)MpmRemovalBegin(model, &model->scene.stages[k], b);
       if (!model->scene.stages[k].adds[b]) continue;
-      PetscCall(PetscFree(model->state.parked[b].data));
-      model->state.parked[b].count = 0;
+      PetscCall(PetscFree(model->state.scheme.parked[b].data));
+      model->state.scheme.parked[b].count = 0;
     }
   }
   model->state.time = time;

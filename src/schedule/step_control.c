@@ -201,6 +201,19 @@ static PetscErrorCode OfferRelaxation(MpmModel model, MpmOutcome *outcome)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmStepControlAddRows(MpmModel model)
+{
+  MpmRescue   *rescue = &model->state.rescue;
+  const MpmRow rows[] = {
+    {"leaves_dilation", MPM_ROW_BOOL, MPM_ROW_RUN, &rescue->dilation, 0, 0},
+    {"averaged_dilation", MPM_ROW_INT, MPM_ROW_RUN, &rescue->averaged, 0, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode DividePoints(MpmModel model)
 {
   PetscInt divided;
@@ -278,7 +291,7 @@ static Remedies FindRemedies(const MpmModel model)
                     .most     = seeks ? CUTS_IN_REDUCTION : CUTS_WITH_DILATION};
 }
 
-/* May a step of the reduction settle? Bodies whose motion is solved for have a placement that is not kept. */
+/* May a step of the reduction settle? Not with bodies whose motion is solved for: they have no part in the term of settle.c. */
 static PetscBool MaySettle(const MpmModel model)
 {
   return (PetscBool)(model->disc.inertia->settles && !model->disc.contacts->bodies);

@@ -322,6 +322,25 @@ static void SeekAnew(MpmModel model)
   model->state.scheme.settling  = (MpmSettling){0};
 }
 
+PetscErrorCode MpmReductionAddRows(MpmModel model)
+{
+  MpmSafety   *safety = &model->state.safety;
+  const MpmRow rows[] = {
+    {"reduction_height", MPM_ROW_REAL, MPM_ROW_RUN, &safety->height, 0, 0},
+    {"reduction_limit", MPM_ROW_REAL, MPM_ROW_RUN, &safety->limit, 0, 0},
+    {"factor_of_safety", MPM_ROW_REAL, MPM_ROW_RUN, &safety->factor, 0, 0},
+    {"reduction_moved", MPM_ROW_REAL, MPM_ROW_RUN, &safety->moved, 0, 0},
+    {"reduction_last", MPM_ROW_REAL, MPM_ROW_RUN, &safety->reduced, 0, 0},
+    {"reduction_start", MPM_ROW_REAL, MPM_ROW_RUN, &safety->start, 0, 0},
+    {"reduction_rate", MPM_ROW_REAL, MPM_ROW_RUN, &safety->rate, 0, 0},
+    {"reduction_failed", MPM_ROW_REAL, MPM_ROW_RUN, &safety->failed, 0, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmReductionBegin(MpmModel model)
 {
   MpmPoints points;

@@ -161,6 +161,8 @@ PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split);
 PetscErrorCode MpmSolverSetReference(MpmSolver *solver, Vec f);
 /* Presets, PETSc's solver objects and their options (solver.c). */
 PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *options);
+/* Rows of the state (base/rows.h). */
+PetscErrorCode MpmSolverAddRows(MpmSolver *solver, MpmRows *rows);
 /* Settles `auto` for about so many unknowns, and applies the preset; have some of the steps inertia? */
 PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns, PetscBool inertia);
 PetscErrorCode MpmSolverSetUp(MpmSolver *solver);

@@ -1,6 +1,7 @@
 /*
   Newton and its linear solver: PETSc's SNES and KSP, set up by presets from options/ that any PETSc option overrides.
 */
+#include "base/rows.h"
 #include "options/database.h"
 #include "options/options.h"
 #include "options/record.h"
@@ -743,6 +744,22 @@ PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason)
   solver->monitor->seconds[MPM_TIME_SOLVE] += now - since - inside;
   solver->cache.needed_count_last = *reason > 0 ? solver->cache.needed_count : 0;
   PetscCall(MpmGatherSolution(solver, solver->x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSolverAddRows(MpmSolver *solver, MpmRows *rows)
+{
+  const MpmRow row[] = {
+    {"newton_iterations", MPM_ROW_INT64, MPM_ROW_RUN, &solver->newton_total, 0, 0},
+    {"linear_iterations", MPM_ROW_INT64, MPM_ROW_RUN, &solver->linear_total, 0, 0},
+    {"indefinite", MPM_ROW_BOOL, MPM_ROW_RUN, &solver->indefinite, 0, 0},
+    {"careful", MPM_ROW_BOOL, MPM_ROW_RUN, &solver->careful, 0, 0},
+    {"touched", MPM_ROW_BOOL, MPM_ROW_RUN, &solver->at_rest.touched, 0, 0},
+    {"jacobians_last", MPM_ROW_INT, MPM_ROW_RUN, &solver->cache.needed_count_last, 0, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(rows, NULL, PETSC_STATIC_ARRAY_LENGTH(row), row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

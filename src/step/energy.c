@@ -220,6 +220,23 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmEnergyAddRows(MpmModel model)
+{
+  MpmEnergy   *energy = &model->state.scheme.energy;
+  const MpmRow rows[] = {
+    {"energy_known", MPM_ROW_BOOL, MPM_ROW_STATE, &energy->known, 0, 0},
+    {"energy_internal", MPM_ROW_REAL, MPM_ROW_STATE, &energy->internal, 0, 0},
+    {"energy_external", MPM_ROW_REAL, MPM_ROW_STATE, &energy->external, 0, 0},
+    {"energy_dissipated", MPM_ROW_REAL, MPM_ROW_STATE, &energy->dissipated, 0, 0},
+    {"energy_start", MPM_ROW_REAL, MPM_ROW_STATE, &energy->start, 0, 0},
+    {"energy_elastic", MPM_ROW_REAL, MPM_ROW_STATE, &energy->elastic, 0, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- report ---- */
 
 PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report)

@@ -37,6 +37,8 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work);
 PetscErrorCode MpmEnergyMark(MpmModel model);
 PetscErrorCode MpmEnergyRebase(MpmModel model);
 
+/* Rows of the state (base/rows.h). */
+PetscErrorCode MpmEnergyAddRows(MpmModel model);
 /* The account as it stands, J, and what moves, kg m/s and kg m2/s about the origin; the same on all ranks. */
 typedef struct {
   PetscReal kinetic, elastic, dissipated, external, balance;

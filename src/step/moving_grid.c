@@ -117,6 +117,24 @@ static PetscErrorCode ReadAt(const MpmOptions *block, const MpmGrid *grid, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode AddRows(MpmModel model)
+{
+  MpmGridMotion *motion = &model->state.grid;
+  const MpmRow   rows[] = {
+      {"grid_known", MPM_ROW_BOOL, MPM_ROW_STATE, &motion->known, 0, 0},
+      {"grid_start_x", MPM_ROW_REAL, MPM_ROW_STATE, &motion->start[0], 0, 0},
+      {"grid_start_y", MPM_ROW_REAL, MPM_ROW_STATE, &motion->start[1], 0, 0},
+      {"grid_start_z", MPM_ROW_REAL, MPM_ROW_STATE, &motion->start[2], 0, 0},
+      {"grid_moved_x", MPM_ROW_REAL, MPM_ROW_STATE, &motion->moved[0], 0, 0},
+      {"grid_moved_y", MPM_ROW_REAL, MPM_ROW_STATE, &motion->moved[1], 0, 0},
+      {"grid_moved_z", MPM_ROW_REAL, MPM_ROW_STATE, &motion->moved[2], 0, 0},
+  };
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmMovingGridRead(MpmModel model, const MpmOptions *options)
 {
   static const char *const modes[] = {"stretch", "shift", NULL};
@@ -126,6 +144,7 @@ PetscErrorCode MpmMovingGridRead(MpmModel model, const MpmOptions *options)
   char                    *name;
 
   PetscFunctionBeginUser;
+  PetscCall(AddRows(model));
   PetscCall(
     MpmOptionsText(&block, "follow", "motion, boundary or body that the grid moves with", NULL, MPM_OPTIONAL, &name));
   if (!name && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);

@@ -55,7 +55,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
     .interior = solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.stabilization.interior : 0.,
     .smooth   = model->scene.stabilization.smooth,
     .mean     = (PetscBool)(model->disc.layout->means > 0),
-    .put_back = model->disc.put_back,
+    .put_back = model->state.scheme.put_back,
     .time_n   = model->state.time,
     .time     = time,
     .dynamic  = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
