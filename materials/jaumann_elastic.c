@@ -1,5 +1,6 @@
 /*
-  Hypoelasticity with Jaumann's rate of the Cauchy stress, optionally bounded by Mohr-Coulomb: the law of most explicit codes
+  Hypoelasticity with Jaumann's rate of the Cauchy stress, optionally bounded by Mohr-Coulomb: the law of most explicit
+  codes
 
     dsigma/dt = lambda tr(d) I + 2 mu d + w sigma - sigma w ,   d + w = grad v, symmetric and skew
 
@@ -10,30 +11,31 @@
   sigma  Cauchy stress, tension positive, Pa (history)
   J      det F, of the whole deformation
 
-  With `cohesion` the Cauchy stress is returned to Mohr-Coulomb's planes (coulomb.h), without hardening; without it the law
-  is elastic.
+  With `cohesion` the Cauchy stress is returned to Mohr-Coulomb's planes (coulomb.h), without hardening; without it the
+  law is elastic.
 
-  A stress beyond the apex or the tension strength is cut, and the volume that it stood for stays: the point has opened. With
-  `closing` k, without dilation, a compression tr e < 0 first closes it: of the opening o >= 0 it takes c = min(o, k |tr e|), and the
-  stress is that of e + (c/3) I. With k = 1 an open point bears no pressure, and what bears has no volume but that of its elastic
-  strain; with 0, the default, openings stay, and points that open and close in turn grow.
+  A stress beyond the apex or the tension strength is cut, and its volume stays: the point has opened. With `closing` k,
+  without dilation, a compression tr e < 0 first closes it: of the opening o >= 0 it takes c = min(o, k |tr e|), and the
+  stress is that of e + (c/3) I. With k = 1 an open point carries no pressure, and a point under pressure has only the
+  volume of its elastic strain. With 0, the default, openings stay, and points that open and close in turn grow.
 
-  The step is exact for any rotation, before, in or after it, and for any stretch whose axes do not turn; it has a local error
-  of third order, so that the path's is of second order in the step. ln V carries half of the step's rotation already, as the
-  mid-point rule does; the polar R keeps that exact for turns of any size, which Cayley's form of Hughes and Winget's is not.
+  The step is exact for any rotation, before, in or after it, and for any stretch whose axes do not turn; it has a local
+  error of third order, so that the path's is of second order in the step. ln V carries half of the step's rotation
+  already, as the mid-point rule does; the polar R keeps that exact for turns of any size, which Cayley's form of Hughes
+  and Winget's is not.
 
-  No potential: stress depends on the path, and a closed cycle makes or takes energy. Measured by the tests, for stretch g, shear g,
-  back from the stretch, back from the shear, in small steps and for any nu: an elastic point has taken up a work of (mu/2) g^3 per
-  volume, which for nu = 0.3 is 0.22 g of the largest on the way (2 % at g = 0.1), and is left with sigma_yy = -sigma_xx = -sigma_xy =
-  (mu/2) g^3; both are 1 % to 14 % less for g of 0.01 to 0.1. On the way that it came it returns to rounding. Simple shear gives
-  sigma_xy = mu sin(gamma), which falls beyond gamma = pi/2.
+  No potential: stress depends on the path, and a closed cycle makes or takes energy. Measured by the tests, for stretch
+  g, shear g, back from the stretch, back from the shear, in small steps and for any nu: an elastic point has taken up a
+  work of (mu/2) g^3 per volume, which for nu = 0.3 is 0.22 g of the largest on the way (2 % at g = 0.1), and is left
+  with sigma_yy = -sigma_xx = -sigma_xy = (mu/2) g^3; both are 1 % to 14 % less for g of 0.01 to 0.1. On the way that it
+  came it returns to rounding. Simple shear gives sigma_xy = mu sin(gamma), which falls beyond gamma = pi/2.
 
   The tangent is not symmetric: tau = J sigma is not the stress of this rate.
 
-  Source: Jaumann (1911), Sitzungsberichte der Akademie der Wissenschaften in Wien IIa 120, 385-530; Hughes and Winget (1980),
-  doi:10.1002/nme.1620151210, for the step; Simo and Hughes (1998), doi:10.1007/b98904, section 8.3, for algorithms that are
-  exact under rotation; Kojic and Bathe (1987), doi:10.1016/0045-7949(87)90247-1, for closed cycles; Dienes (1979),
-  doi:10.1007/BF01379008, for simple shear.
+  Source: Jaumann (1911), Sitzungsberichte der Akademie der Wissenschaften in Wien IIa 120, 385-530; Hughes and Winget
+  (1980), doi:10.1002/nme.1620151210, for the step; Simo and Hughes (1998), doi:10.1007/b98904, section 8.3, for
+  algorithms that are exact under rotation; Kojic and Bathe (1987), doi:10.1016/0045-7949(87)90247-1, for closed cycles;
+  Dienes (1979), doi:10.1007/BF01379008, for simple shear.
 */
 #include "talus/point/coulomb.h"
 
@@ -57,7 +59,7 @@ static const MpmStateVariable states[] = {{"cauchy_stress", MPM_STATE_SYM, 0., "
                                           {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"},
                                           {"opening", MPM_STATE_SCALAR, 0., "-"}};
 
-/* What closes the opening is taken out of both. */
+/* The closed opening is taken out of both. */
 MPM_FN void Close(Real closing, Sym *e, Real *opening)
 {
   Scalar closed = ScalarScale(-closing, SymTrace(e));
@@ -105,7 +107,8 @@ MPM_FN CoulombStrength StrengthFromParameters(const Real *parameter)
   return strength;
 }
 
-/* As in mohr_coulomb.c, of a stress: by its invariants, then by its principal values, less what these may be off in 3D */
+/* As in mohr_coulomb.c, of a stress: by its invariants, then by its principal values, with a margin for their error in
+   3D */
 MPM_FN int IsSurelyElastic(const CoulombStrength *strength, Lame lame, const Sym *sigma)
 {
   const double root = sqrt(0.5) * SymDevNormValue(sigma), p = ScalarValue(SymTrace(sigma)) / 3.;
@@ -116,7 +119,8 @@ MPM_FN int IsSurelyElastic(const CoulombStrength *strength, Lame lame, const Sym
   return CoulombExcess(strength, w[0], w[2]) + (MPM_DIM == 3 ? 1e-6 * root : 0.) <= CoulombNoise(lame);
 }
 
-/* Returns sigma to the strength where it is outside; kappa is what the equivalent plastic strain grows by, and the opening grows. */
+/* Returns sigma to the strength where it is outside; kappa is the growth of the equivalent plastic strain, and the
+   opening grows. */
 MPM_FN int Return(const Real *parameter, Lame lame, Sym *sigma, Real *kappa, Real *opening)
 {
   const CoulombStrength strength = StrengthFromParameters(parameter);

@@ -14,7 +14,7 @@
 
 /* The options -mpm_material_<name>_<parameter>, in the order in which the kernel finds the numbers in
    point->parameter. Every law has `density`. ELASTIC_PARAMETERS is density, E, nu; further rows look like
-   {MPM_NUMBER, "yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1, "what it is", NULL, 100e3, NULL}: kind, name, unit, default,
+   {MPM_NUMBER, "yield_stress", "Pa", 0., 1, 0., HUGE_VAL, 1, "meaning", NULL, 100e3, NULL}: kind, name, unit, default,
    required, range, open range, help, choices, a typical value, another parameter whose value is the default. */
 static const MpmParameter parameters[] = {ELASTIC_PARAMETERS};
 
@@ -39,8 +39,9 @@ MPM_FN int MpmMaterialEvaluate_linear_elastic(const MpmLawPoint *point, const Te
   return 0;
 }
 
-/* Name (that of this file, and the option's value), tables, kernel; then members of MpmLawInfo: one line for -help, traits,
-   constrained and shear modulus at a state, and, in other laws, .check of parameters against each other and more. */
+/* Name (that of this file, and the option's value), tables, kernel; then members of MpmLawInfo: one line for -help,
+   traits, constrained and shear modulus at a state, and, in other laws, .check of parameters against each other and
+   more. */
 MPM_LAW_DEFINE(linear_elastic, parameters, states, MpmMaterialEvaluate_linear_elastic,
                .summary = "linear elasticity at small strain",
                .traits = MPM_LAW_SYMMETRIC | MPM_LAW_SMALL_STRAIN | MPM_LAW_FIXED_MODULI, .stiffness = ElasticStiffness,

@@ -1,6 +1,6 @@
 /*
-  Modified Cam-Clay: elasticity that stiffens with the pressure, an ellipse through the origin that grows and shrinks with
-  plastic volume, critical state
+  Modified Cam-Clay: elasticity that stiffens with the pressure, an ellipse through the origin that grows and shrinks
+  with plastic volume, critical state
 
     b_trial = dF b_n dF^T,   e = (1/2) ln b,   tau = -p I + 2 G dev e
     p = p_ref exp(-tr(e)/kappa) where p >= p_min; below that linear in tr(e), with the value and slope it has there
@@ -20,15 +20,15 @@
 
     v = g (2 p - p_c),   q = q_trial/(1 + y),   f = 0,   p = p(tr(e_trial) + v)
 
-  for v and y. On paths of constant volume it makes no error in p(q). Flow at p = p_c/2 keeps the volume: critical state,
-  q = M p. On the dry side of it, p < p_c/2, p_c falls, and where it falls faster than elastic unloading, 12 G (p_c -
-  p)/M^2 < (p_c - 2 p) p_c/(lambda - kappa), the stress of a step is no longer a smooth function of it.
+  for v and y. On paths of constant volume this makes no error in p(q). Flow at p = p_c/2 keeps the volume: critical
+  state, q = M p. On the dry side of it, p < p_c/2, p_c falls, and where it falls faster than elastic unloading, 12 G
+  (p_c - p)/M^2 < (p_c - 2 p) p_c/(lambda - kappa), the stress of a step is no longer a smooth function of it.
 
   The flow is associated, but its direction at the step's end changes with p_c, which the step's flow has changed: the
   tangent is symmetric only up to terms of the order of the step.
 
-  History from a stress: the elastic strain that has it and, unless the scene has one, p_c = ocr p_y or p_y + pop, where p_y
-  = p + q^2/(M^2 p) is that of the ellipse through the stress. At rest without a stress a point is under p_ref.
+  History from a stress: the elastic strain that has it and, unless the scene has one, p_c = ocr p_y or p_y + pop, where
+  p_y = p + q^2/(M^2 p) is that of the ellipse through the stress. At rest without a stress a point is under p_ref.
 
   Source: Roscoe and Burland (1968), On the generalized stress-strain behaviour of wet clay, in: Engineering Plasticity,
   Cambridge, 535-609; Borja and Tamagnini (1998), doi:10.1016/S0045-7825(97)00141-2, and Callari, Auricchio and Sacco
@@ -138,7 +138,7 @@ MPM_FN int Residual(const void *argument, const Dual input[], const Dual x[], Du
   return 0;
 }
 
-/* A trial state in plain numbers, and what follows from a guess at v */
+/* A trial state in plain numbers, and its consequences at a trial v */
 typedef struct {
   double M2, shear, kappa, hardening; /* M^2, 6 G, slopes of elastic and of plastic volume strain */
   double strain, q2, size;            /* trial volume strain, q_trial^2, p_c at the step's start */
@@ -224,7 +224,7 @@ MPM_FN Real SizeAtStart(const Real *parameter, const Real *state_n)
   return parameter[REFERENCE_PRESSURE];
 }
 
-/* What rounding alone explains of f */
+/* Rounding error of f */
 MPM_FN double Noise(const Trial *trial, double p, double p_min)
 {
   const double K = fmax(p, p_min) / trial->kappa;
@@ -376,8 +376,8 @@ static int MpmMaterialHistory_modified_cam_clay(const double *parameter, const M
 }
 
 /*
-  Jaky's ratio with sin(phi) = 3 M/(6 + M), that of triaxial compression, times OCR^sin(phi). OCR is `ocr`, or the size p_c,
-  given or larger by `pop`, over that which the stress with Jaky's ratio has.
+  Jaky's ratio with sin(phi) = 3 M/(6 + M), that of triaxial compression, times OCR^sin(phi). OCR is `ocr`, or the size
+  p_c, given or larger by `pop`, over that of the ellipse through the stress with Jaky's ratio.
 */
 static double MpmMaterialK0_modified_cam_clay(const double *parameter, const MpmLawTable *table, const double *state,
                                               double weight)
@@ -402,7 +402,7 @@ static double MpmMaterialShearModulus_modified_cam_clay(const double *parameter,
   return parameter[SHEAR];
 }
 
-/* kappa p, that of volume, 0 at no pressure of the logarithmic law, with the part of the linear one; and that of shear */
+/* kappa p, energy of volume, 0 at no pressure of the logarithmic law, with the linear range; and that of shear */
 static double MpmMaterialEnergy_modified_cam_clay(const double *parameter, const MpmLawTable *table, const double *tau,
                                                   const double *F)
 {

@@ -4,12 +4,12 @@
 
     b_trial = dF b_n dF^T,   e = (1/2) ln b,   tau = lambda tr(e) I + 2 mu e
     f = t1 - t3 + (t1 + t3) sin phi - 2 c cos phi <= 0,   t1 <= tension,   t1 >= t2 >= t3 principal values of tau
-    flow potential of f: the same with psi in place of phi; the cut-off's is t1 itself
+    flow potential of f: f with psi in place of phi; the cut-off's is t1 itself
 
   tau    Kirchhoff stress J sigma, tension positive, Pa; f bounds the Kirchhoff stress, not the Cauchy stress
   b      elastic left Cauchy-Green tensor (history)
-  kappa  equivalent plastic strain (history): grows by sqrt(2/3) |de_p|, where de_p is what the step takes from e, opening
-         and dilation included
+  kappa  equivalent plastic strain (history): grows by sqrt(2/3) |de_p|, where de_p is the step's plastic part of e,
+         opening and dilation included
 
   Softening: c, phi and psi go linearly in kappa from their values to the residual ones at kappa = softening_strain, the
   tension strength in proportion to c. All are those of the step's end.
@@ -105,8 +105,8 @@ MPM_FN CoulombFlow FlowAt(const Real *parameter, Lame lame, const CoulombStrengt
 
 /* ---- elastic or not ---- */
 
-/* Whether the stress of strain e is surely elastic, without principal axes: by its invariants, then by its principal values, less
-   what these may be off in 3D; where it is not, the axes can follow from `split` */
+/* True where the stress of strain e is surely elastic, without principal axes: by its invariants, then by its
+   principal values, with a margin for their error in 3D; otherwise the axes can follow from `split` */
 MPM_FN int IsSurelyElastic(const CoulombStrength *strength, Lame lame, const Sym *e, SymSplit *split)
 {
   const double lambda = RealValue(lame.lambda), mu = RealValue(lame.mu);
@@ -138,8 +138,8 @@ MPM_FN int ReturnWith(const MpmLawPoint *point, Lame lame, const Dual trial[3], 
 }
 
 /*
-  More than any return makes kappa grow by: no plane's multiplier exceeds f/(n . C r) <= most/(4 mu), for what the others take
-  along with it is never negative, no flow r is longer than 2, and at most four planes meet.
+  Upper bound of any return's growth of kappa: no plane's multiplier exceeds f/(n . C r) <= most/(4 mu), since the
+  contribution of the others is never negative, no flow r is longer than 2, and at most four planes meet.
 */
 MPM_FN double MostGrowth(Lame lame, const Dual trial[3])
 {
@@ -177,7 +177,7 @@ MPM_FN Start StartCreate(const Real *parameter, Lame lame, const CoulombStrength
   return start;
 }
 
-/* The growth of kappa with the strength at the end of a growth x, to the third power of the turns, and its slope at 0 */
+/* Growth of kappa with the strength at the end of a growth x, to the third power of the turns, and its slope at 0 */
 MPM_FN double StartGrowth(const Start *start, double x, double *slope)
 {
   const double both = start->lambda + start->mu, c = start->c + start->fall * x;
@@ -210,8 +210,8 @@ MPM_FN double StartFind(const Start *start)
   return x + part * (StartGrowth(start, x, NULL) - x);
 }
 
-/* The equation for the growth of kappa, and the return that was last looked at: stresses and growth with all derivatives,
-   direction 3 that by the growth x that it took */
+/* Equation for the growth of kappa, and its last return: stresses and growth with all derivatives, direction 3 that by
+   the growth x that it took */
 typedef struct {
   const MpmLawPoint *point;
   Lame               lame;
@@ -240,7 +240,8 @@ MPM_FN int Growth(const void *problem, const Dual input[], const Dual x[], Dual 
 /* Part of the softening strain over which nothing changes by more than the square root of rounding */
 #define LAST_GROWTH 1e-9
 
-/* Return of trial stresses outside the yield surface, with the growth of kappa; `strength` is that of the step's start. */
+/* Return of trial stresses outside the yield surface, with the growth of kappa; `strength` is that of the step's
+   start. */
 MPM_FN int ReturnSoftening(const MpmLawPoint *point, Lame lame, const CoulombStrength *strength, const Dual trial[3],
                            Dual *x, Dual t[3])
 {
@@ -372,9 +373,9 @@ static double MpmMaterialK0_mohr_coulomb(const double *parameter, const MpmLawTa
 }
 
 /*
-  On Mohr-Coulomb's plane flow in the plane dilates by sin(psi) of its shear. Inside, that fades to 0 where the shear is MOBILISED of
-  what the plane bears: if a stress a hair inside counted as elastic, forces of F-bar would jump between steps, and
-  geostatic stages not come to rest.
+  On Mohr-Coulomb's plane flow in the plane dilates by sin(psi) of its shear. Inside, dilation fades to 0 where the
+  shear is MOBILISED of the plane's strength. If a stress just inside counted as elastic, forces of F-bar would jump
+  between steps, and geostatic stages would not come to rest.
 */
 static double MpmMaterialDilatancy_mohr_coulomb(const double *parameter, const MpmLawTable *table, const double *state,
                                                 double elastic[3])

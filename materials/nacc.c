@@ -9,7 +9,7 @@
 
   tau  Kirchhoff stress J sigma, tension positive, Pa; p is positive in compression, and y bounds the Kirchhoff stress
   b    elastic left Cauchy-Green tensor (history)
-  v    logarithmic plastic volume strain since the start (history); a is what hardens, more compact below 0
+  v    logarithmic plastic volume strain since the start (history); a is the hardening variable, more compact below 0
   alpha  equivalent plastic strain (history): grows by sqrt(2/3) |dev e_p|, on which nothing depends
   p_0  compressive strength, beta p_0 that in tension; M is the ellipse's height over half its length for beta = 0, q/p
        at critical state, 6 sin phi/(3 - sin phi)
@@ -17,17 +17,17 @@
   Return, with p_0 at the step's start:
 
     p > p_0        b = J_e^(2/3) I, J_e of p = p_0; v grows by ln(J/J_e)
-    p < -beta p_0  the same with p = -beta p_0: the point has no stiffness there, as at the cap
-    y > 0          dev b is scaled down until y = 0 at the trial p and J; tr b stays, and J changes in second order. v grows
-                   by ln(J/J_x): J_x is that of p_x, where the ellipse meets the line from its centre p_c = (1 - beta)
-                   p_0/2 to the trial state, if that p_x is one that elasticity has, p_x < K/2
+    p < -beta p_0  likewise with p = -beta p_0: the point has no stiffness there, as at the cap
+    y > 0          dev b is scaled down until y = 0 at the trial p and J; tr b stays, and J changes in second order. v
+                   grows by ln(J/J_x): J_x is that of p_x, where the ellipse meets the line from its centre p_c = (1 -
+                   beta) p_0/2 to the trial state, if that p_x is one that elasticity has, p_x < K/2
 
-  Strength lags by a step: what hardens or softens in one acts from the next on. A point whose strength has fallen goes on
-  losing stress though nothing moves, and results depend on the step. The stress of a step is not smooth where it goes
-  from the ellipse to one of the tips: it jumps by terms of the order of |dev b|^2; the tangent is that of the branch
-  taken, and is not symmetric.
+  Strength lags by a step: hardening or softening of a step acts from the next on. A point whose strength has fallen
+  goes on losing stress though nothing moves, and results depend on the step. The stress of a step is not smooth where
+  it goes from the ellipse to one of the tips: it jumps by terms of the order of |dev b|^2; the tangent is that of the
+  branch taken, and is not symmetric.
 
-  y is compared with what rounding explains of it, in its own unit.
+  y is compared with its rounding error, in its own unit.
 
   The source has other constants in 2D; here plane strain is that of a solid.
 

@@ -7,7 +7,7 @@
 
     psi = (mu/2) (J^{-2/3} I1 - 3) + k U,        tau = mu J^{-2/3} dev b + k J U' I
 
-  `volumetric` says what U is:
+  `volumetric` selects U:
 
     log        U = (ln J)^2/2,             J U' = ln J
     quadratic  U = (J^2 - 1 - 2 ln J)/4,   J U' = (J^2 - 1)/2
@@ -16,12 +16,12 @@
   b    F F^T, J = det F, I1 = tr b; in plane strain b_zz = 1
 
   Derives from the potential psi (per initial volume). For rubber-like solids; grows without bound both in tension and
-  in compression, but for the pressure of `quadratic`, which is at most lambda/2 (k/2) as J goes to 0. That of `log`, J
-  sigma, is not convex in J beyond e.
+  in compression, but for the pressure of `quadratic`, which is at most lambda/2 (k/2) as J goes to 0. The pressure of
+  `log`, J sigma, is not convex in J beyond e.
 
-  Source: Simo and Pister (1984), doi:10.1016/0045-7825(84)90062-8; Bonet and Wood (2008),
-  doi:10.1017/CBO9780511755446, section 6.4.3; Simo and Taylor (1991), doi:10.1016/0045-7825(91)90100-K, for `quadratic`;
-  Flory (1961), doi:10.1039/tf9615700829, for `isochoric`.
+  Source: Simo and Pister (1984), doi:10.1016/0045-7825(84)90062-8; Bonet and Wood (2008), doi:10.1017/CBO9780511755446,
+  section 6.4.3; Simo and Taylor (1991), doi:10.1016/0045-7825(91)90100-K, for `quadratic`; Flory (1961),
+  doi:10.1039/tf9615700829, for `isochoric`.
 */
 #include "talus/point/elasticity.h"
 
@@ -68,8 +68,8 @@ MPM_FN int MpmMaterialEvaluate_neo_hookean(const MpmLawPoint *point, const Tenso
 }
 
 /*
-  d tau/d ln(stretch) along a principal axis is lambda (J^2 lambda) + 2 mu b, or k (J^2 k) + mu J^{-2/3} (2/3) (b + tr(b)/3)
-  at most; the largest sum of |b| over a row bounds b.
+  d tau/d ln(stretch) along a principal axis is lambda (J^2 lambda) + 2 mu b, or k (J^2 k) + mu J^{-2/3} (2/3) (b +
+  tr(b)/3) at most; the largest sum of |b| over a row bounds b.
 */
 static double MpmMaterialStiffness_neo_hookean(const double *parameter, const MpmLawTable *table, const double *state,
                                                const double *F)
@@ -95,7 +95,7 @@ static double MpmMaterialStiffness_neo_hookean(const double *parameter, const Mp
   return volume * lambda + 2. * largest * mu;
 }
 
-/* d tau_xy/d gamma_xy is mu (b_xx + b_yy)/2, with `isochoric` mu J^{-2/3} (b_xx + b_yy)/2; mu tr(b)/3 over all planes */
+/* d tau_xy/d gamma_xy is mu (b_xx + b_yy)/2, `isochoric`: mu J^{-2/3} (b_xx + b_yy)/2; mu tr(b)/3 over all planes */
 static double MpmMaterialShearModulus_neo_hookean(const double *parameter, const MpmLawTable *table,
                                                   const double *state, const double *F)
 {

@@ -8,22 +8,22 @@
 
   tau  Kirchhoff stress J sigma, tension positive, Pa; p positive in compression
   K    bulk modulus at p = 0: `bulk_modulus`, or density times the square of `sound_speed`
-  j    volume over that at p = 0 (history): grows by det dF. An initial stress sets it; J, that of F, starts with 1 whatever the
-       stress, and `density` is that of the initial volume
-  J_n  det F at the step's start. With it, not J, both parts derive from a potential over the step; the difference is d's trace
-       times dt
+  j    volume over that at p = 0 (history): grows by det dF. An initial stress sets it; J, that of F, starts with 1 for
+       any stress, and `density` is that of the initial volume
+  J_n  det F at the step's start. With it, not J, both terms derive from a potential over the step; the difference is
+       d's trace times dt
 
   d is the rate whose axes do not turn in the step: exact for any rotation, of second order on curved paths; the viscous
   stress is that of backward Euler. With dt = 0 nothing is viscous.
 
-  j goes on growing where pressure_min acts: the fluid bears pressure again when the gap has closed. There the point has no
-  stiffness but the viscous one.
+  j goes on growing where pressure_min acts: the fluid carries pressure again when the gap has closed. There the point
+  has no stiffness but the viscous one.
 
-  At rest there is no shear stress: nothing holds a shape, and a quasi-static stage has an answer only by `viscosity`. An initial stress
-  is that of its mean.
+  At rest there is no shear stress: shapes change freely, and a quasi-static stage has an answer only by `viscosity`.
+  An initial stress is that of its mean.
 
-  Source: Batchelor (1967), An Introduction to Fluid Dynamics, doi:10.1017/CBO9780511800955, section 3.3; Monaghan (1994),
-  doi:10.1006/jcph.1994.1034, for gamma = 7 and a sound speed of ten times the largest velocity.
+  Source: Batchelor (1967), An Introduction to Fluid Dynamics, doi:10.1017/CBO9780511800955, section 3.3; Monaghan
+  (1994), doi:10.1006/jcph.1994.1034, for gamma = 7 and a sound speed of ten times the largest velocity.
 */
 #include "talus/point/elasticity.h"
 
@@ -119,7 +119,7 @@ static int MpmMaterialCheck_newtonian(const double *parameter, const MpmLawTable
   return parameter[EQUATION] < 0.5 || parameter[GAMMA] == TAIT_GAMMA;
 }
 
-/* -J j dp/dj = J (K + gamma p), and J |p| in tension. Beyond pressure_min what the fluid has when the gap has closed again */
+/* -J j dp/dj = J (K + gamma p), and J |p| in tension. Beyond pressure_min the modulus once the gap has closed again */
 static double MpmMaterialStiffness_newtonian(const double *parameter, const MpmLawTable *table, const double *state,
                                              const double *F)
 {

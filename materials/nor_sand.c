@@ -12,9 +12,9 @@
   tau  Kirchhoff stress J sigma, tension positive, Pa: p = tr(tau)/3 < 0, q = sqrt(3/2) |dev tau|. f bounds it, not the
        Cauchy stress
   b    elastic left Cauchy-Green tensor (history)
-  p_i  image pressure, at which flow keeps its volume and q = -M p (history, as -p_i > 0). It is drawn to the limit p_l
-       that the density sets: loose sand hardens and contracts, dense sand dilates, peaks and softens
-  v    specific volume (history): it goes with det F
+  p_i  image pressure, at which flow keeps its volume and q = -M p (history, as -p_i > 0). Its limit p_l follows from
+       the density: loose sand hardens and contracts, dense sand dilates, peaks and softens
+  v    specific volume (history), proportional to det F
   alpha  equivalent plastic strain (history): grows by sqrt(2/3) |dev e_p|, on which nothing depends
 
   An image pressure or a specific volume of 0 stands for that of the parameters. With `ocr` or `pop` the image pressure
@@ -30,8 +30,8 @@
   slower, as p_i softens, than by elastic unloading. On the axis of pressure the surface has a tip, q = 0 and eta = 0:
   de_s is then anything up to dg, and dg the unknown of the second residual.
 
-  p_l has a pole at a v below 1; beyond it p_l goes on by its tangent. p < 0 always: in tension the stress vanishes while
-  e_v grows, and it comes back when the volume does.
+  p_l has a pole at a v below 1; beyond it p_l goes on by its tangent. p < 0 always: in tension the stress vanishes
+  while e_v grows, and returns when the volume does.
 
   The tangent is not symmetric.
 
@@ -150,7 +150,7 @@ MPM_FN Dual LogFunction(Dual u)
 
 /* ---- the model, in y = ln(p/-p_ref) and L = ln(p/p_i) ---- */
 
-/* What a step is about */
+/* Data of a step */
 typedef struct {
   const MpmLawPoint *point;
   Real               log_image; /* ln(p_i/-p_ref) at the step's start */
@@ -234,7 +234,7 @@ MPM_FN Dual RatioOnSurface(const Real *parameter, Dual eta)
   return DualSub(TipRatio(parameter), DualScale(1. - parameter[CURVATURE], down));
 }
 
-/* What both pairs of unknowns come to */
+/* Common results of both pairs of unknowns */
 typedef struct {
   Dual y, L, dilatancy, dg;
 } Guess;
@@ -357,8 +357,8 @@ typedef struct {
 } End;
 
 /*
-  A start near the root, from bisections of dg between 0 and e_s of the trial state: y and, as `by_shear` comes out, L or
-  e_s. The last dg that is too large has y and L on the surface's side of the tip.
+  A start near the root, from bisections of dg between 0 and e_s of the trial state: y and, by `by_shear`, L or e_s. The
+  last dg that is too large has y and L on the surface's side of the tip.
 */
 MPM_FN void FindStart(const Step *step, const Dual input[], double trial, double start[2], int *by_shear)
 {
@@ -394,8 +394,8 @@ MPM_FN int SolveFrom(const Step *step, const Dual input[], const double start[2]
 }
 
 /*
-  Newton's method from the trial state finds most ends off the tip. Where it fails, or comes so near the tip that L is too
-  coarse, the second residual tells whether the end is at the tip, and otherwise bisections give another start.
+  Newton's method from the trial state finds most ends off the tip. Where it fails, or L is too coarse near the tip, the
+  second residual shows whether the end is at the tip; otherwise bisections give another start.
 */
 MPM_FN int Solve(const Step *step, const Dual input[], End *end)
 {
@@ -456,7 +456,7 @@ MPM_FN Real ImageAtRest(const Real *parameter)
   return size * RealExp(-DualReal(TipRatio(parameter)));
 }
 
-/* What the local problem needs of the point */
+/* Data of the point for the local problem */
 MPM_FN Step StepCreate(const MpmLawPoint *point, Real image)
 {
   const Real *parameter = point->parameter, reference = parameter[REFERENCE_PRESSURE];
@@ -516,7 +516,7 @@ MPM_FN int MpmMaterialEvaluate_nor_sand(const MpmLawPoint *point, const Tensor *
 
   if (!ElasticIsRegular(point, dF) || ElasticLogStrain(&b, &e)) return 1;
   y = ScalarScale(-1. / parameter[KAPPA], SymTrace(&e));
-  p = ScalarScale(-stiff / 3., SymTrace(&e)); /* what takes the deviator from the strain */
+  p = ScalarScale(-stiff / 3., SymTrace(&e)); /* reduction of the deviator by the strain */
   if (Yields(point, given, &e, &step)) {
     const Scalar volume = SymTrace(&e);
     const Sym    trial  = e;
@@ -580,8 +580,8 @@ static double TipLog(const double *parameter)
 }
 
 /*
-  Elastic strain of a pressure and a deviator; image pressure, where ocr or pop says it, by the stress, otherwise, like the
-  specific volume, of the parameters
+  Elastic strain of a pressure and a deviator; image pressure by the stress where ocr or pop is given, otherwise, like
+  the specific volume, of the parameters
 */
 static int MpmMaterialHistory_nor_sand(const double *parameter, const MpmLawTable *table, const double *stress,
                                        double *state)
@@ -611,8 +611,9 @@ static int MpmMaterialHistory_nor_sand(const double *parameter, const MpmLawTabl
 }
 
 /*
-  Jaky's ratio with sin(phi) = 3 M/(6 + M), that of triaxial compression, times OCR^sin(phi). OCR is `ocr`, or the pressure at
-  the yield surface's tip, given or larger by `pop`, over that of the surface through the stress with Jaky's ratio.
+  Jaky's ratio with sin(phi) = 3 M/(6 + M), that of triaxial compression, times OCR^sin(phi). OCR is `ocr`, or the
+  pressure at the yield surface's tip, given or larger by `pop`, over that of the surface through the stress with Jaky's
+  ratio.
 */
 static double MpmMaterialK0_nor_sand(const double *parameter, const MpmLawTable *table, const double *state,
                                      double weight)

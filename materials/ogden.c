@@ -10,8 +10,8 @@
        2 mu = sum_i mu_i alpha_i
 
   Derives from the potential psi (per initial volume). One term with alpha = 2 is the neo-Hookean solid with isochoric
-  shear and quadratic volume, terms with 2 and -2 are Mooney's and Rivlin's. mu_i alpha_i > 0 for every term makes the law
-  stable at any stretch; only their sum has to be positive here.
+  shear and quadratic volume, terms with 2 and -2 are Mooney's and Rivlin's. mu_i alpha_i > 0 for every term makes the
+  law stable at any stretch; only their sum has to be positive here.
 
   Source: Ogden (1972), doi:10.1098/rspa.1972.0026; Simo and Taylor (1991), doi:10.1016/0045-7825(91)90100-K, for the
   split; Holzapfel (2000), Nonlinear Solid Mechanics, Wiley, section 6.5.
@@ -94,8 +94,8 @@ static void SquaredStretches(const double *F, double w[3])
 }
 
 /*
-  d tau_a/d ln lambda_a = k J^2 + sum_i mu_i alpha_i ((4/9) lb_a^alpha_i + (1/9) (lb_b^alpha_i + lb_c^alpha_i)), bounded by
-  the largest of the three powers, or the least where mu_i alpha_i < 0.
+  d tau_a/d ln lambda_a = k J^2 + sum_i mu_i alpha_i ((4/9) lb_a^alpha_i + (1/9) (lb_b^alpha_i + lb_c^alpha_i)), bounded
+  by the largest of the three powers, or the least where mu_i alpha_i < 0.
 */
 static double MpmMaterialStiffness_ogden(const double *parameter, const MpmLawTable *table, const double *state,
                                          const double *F)

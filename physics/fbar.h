@@ -1,6 +1,7 @@
 #pragma once
 /*
-  F-bar at one point: what the kernels of physics whose volume change is a mean over the cell share. Equations in solid_fbar.c.
+  F-bar at one point, shared by the kernels of physics whose volume change is a mean over the cell. Equations in
+  solid_fbar.c.
 */
 #include "solid.h"
 
@@ -11,8 +12,8 @@
 
 #if MPM_DIM == 2
 /*
-  g and its derivatives, from b_n in the plane, dF and J = det dF with its derivatives. With r the radius of Mohr's circle
-  of b = dF b_n dF^T, sinh(gamma) = r/sqrt(det b), cosh(gamma) = tr b/(2 sqrt(det b)), and
+  g and its derivatives, from b_n in the plane, dF and J = det dF with its derivatives. With r the radius of Mohr's
+  circle of b = dF b_n dF^T, sinh(gamma) = r/sqrt(det b), cosh(gamma) = tr b/(2 sqrt(det b)), and
 
     d gamma = coth(gamma) (2 dF b_n/tr b - cof dF/J)
 */
@@ -130,8 +131,8 @@ MPM_FN void AddShearFlux(const MpmKernelPoint *point, const Tensor *dF, Scalar p
 }
 
 /*
-  m of the point, and its first derivatives by the kernel's `count` inputs but for the mean, of which the gradients of the
-  displacement are the first; with directions the second ones too, count x count. Non-zero where there is no such m.
+  m of the point, and its first derivatives by the kernel's `count` inputs but for the mean, the gradients of the
+  displacement first; with directions the second ones too, count x count. Non-zero where there is no such m.
 */
 MPM_FN int FbarMean(const MpmKernelPoint *point, const double input[], int count, double *m, double dm[], double ddm[])
 {

@@ -1,24 +1,26 @@
 /*
-  Saturated ground at one point: displacement and pore pressure, quasi-static, grains and (by default) water incompressible.
+  Saturated ground at one point: displacement and pore pressure, quasi-static; grains and (by default) water are
+  incompressible.
 
-  With tau' the law's Kirchhoff stress, J = det F, p the pore pressure, positive in compression, G gradients by the position
-  at the step's start, and phi~ = phi - mean of phi over the cell, one step from n to n+1 solves
+  With tau' the law's Kirchhoff stress, J = det F, p the pore pressure, positive in compression, G gradients by the
+  position at the step's start, and phi~ = phi - mean of phi over the cell, one step from n to n+1 solves
 
     momentum   sum_p V_0 (tau' - J p I) dF^{-T} G_i = f_i
     water      sum_p V_0 (zeta - zeta_n) phi_i + dt V_0 J (dF^{-T} G_i) . m (dF^{-T} G p - rho_w g)
                    + V_0 c/(2 mu) (p~ - p~_n) phi~_i = 0
 
-  zeta = J - 1 is the water that an initial volume has taken up, which grains that do not change their volume leave room
-  for: its increment is exact, so that what flows out is what the pores lose. Water of bulk modulus K_w takes (J - s)(1 +
-  p/K_w) - (1 - s), s = 1 - n_0 the part of the grains. The last term is the polynomial pressure projection, without which
-  displacement and pressure of equal order have pressures that alternate from cell to cell where nothing drains; c is
-  -mpm_stabilization_ppp, and less where water moves (PoroProjection()). m = k/mu_w is the mobility, constant in space or
+  zeta = J - 1 is the water that an initial volume has taken up, with grains of constant volume. Its increment is exact,
+  so that the outflow equals the loss of the pores. Water of bulk modulus K_w takes (J - s)(1 + p/K_w) - (1 - s), with
+  s = 1 - n_0 the fraction of grains. The last term is the polynomial pressure projection. Without it displacement and
+  pressure of equal order have pressures that alternate from cell to cell where nothing drains. The factor c is
+  -mpm_stabilization_ppp, and less where water moves (PoroProjection()). The mobility m = k/mu_w is constant in space or
 
     kozeny_carman   k = k_0 (n/n_0)^3 ((1 - n_0)/(1 - n))^2 ,    n = 1 - s/J
     uzuoka_borja    k = k_0 (lambda + 2 mu) J/M(J) ,   M(J) = mu (1 + 1/J^2) + lambda (1 - ln J)/J^2
 
-  the second of which makes one-dimensional consolidation of the neo-Hookean solid a linear problem. The water's equation is
-  taken times -1: what displacement does to it is then what pressure does to momentum, transposed.
+  the second of which makes one-dimensional consolidation of the neo-Hookean solid a linear problem. The water's
+  equation is taken times -1: its coupling to displacement is then the transpose of the coupling of momentum to
+  pressure.
 
   At small strain J = 1 + tr h, with h the displacement gradient by the initial position, by which gradients are taken.
 

@@ -9,7 +9,7 @@
 /* Places among the physics' values: those of the material, then those of the scene. */
 enum {
   PORO_POROSITY,
-  PORO_MOBILITY, /* as read, the permeability, m2; from PoroPrepare() on permeability over viscosity, m2/(Pa s); an axis each */
+  PORO_MOBILITY, /* permeability, m2, an axis each; from PoroPrepare() on over viscosity, m2/(Pa s) */
   PORO_CONDUCTIVITY     = PORO_MOBILITY + 3,
   PORO_PERMEABILITY_LAW = PORO_CONDUCTIVITY + 3,
   PORO_DENSITY,
@@ -41,7 +41,7 @@ MPM_FN double PoroVolume(const MpmKernelPoint *point, const double *F)
   return trace;
 }
 
-/* The same of F_{n+1} = dF F_n, with its derivatives. */
+/* The volume ratio of F_{n+1} = dF F_n, with its derivatives. */
 MPM_FN Scalar PoroNewVolume(const MpmKernelPoint *point, const Tensor *dF)
 {
   Scalar sum = ScalarConstant(1. - MPM_DIM);
@@ -77,8 +77,9 @@ MPM_FN Scalar PoroContent(const MpmKernelPoint *point, double grains, Scalar J, 
 #define PORO_KEPT 1e-10 /* of what flows through a cell for a difference of pressure of one */
 
 /*
-  Storage by pressure of ground that drains at once: none, but so little that sealed ground, in which any pressure is steady, keeps
-  its own. Over n cells it changes a steady pressure by a part n^2 PORO_KEPT.
+  Storage by pressure of ground that drains at once: small enough to be negligible, and non-zero so that sealed ground,
+  in which any pressure is steady, keeps its own. Over n cells it changes a steady pressure by the fraction n^2
+  PORO_KEPT.
 */
 MPM_FN double PoroKept(const MpmKernelPoint *point)
 {
@@ -108,7 +109,7 @@ MPM_FN double PoroReference(const MpmKernelPoint *point, double start, double st
   return point->stage ? start + point->stage->theta * (stage - start) : start;
 }
 
-/* The elastic shear modulus at a state, which NULL stands for rest; a third of the stiffness where the law does not tell. */
+/* The elastic shear modulus at a state, NULL for rest; a third of the stiffness where the law does not provide it. */
 MPM_FN double PoroShear(const MpmKernelPoint *point, const double *state, const double *F)
 {
   const MpmLawInfo *info = point->info;
@@ -117,7 +118,7 @@ MPM_FN double PoroShear(const MpmKernelPoint *point, const double *state, const 
   return info->stiffness(point->parameter, point->table, state, F) / 3.;
 }
 
-/* What the permeability is multiplied by. Non-zero where there are no pores. */
+/* Factor on the permeability. Non-zero where there are no pores. */
 MPM_FN int PoroPermeabilityFactor(const MpmKernelPoint *point, double grains, Scalar J, Scalar *factor)
 {
   const Scalar porosity = ScalarShift(ScalarDiv(ScalarConstant(-grains), J), 1.);
@@ -149,7 +150,7 @@ MPM_FN int PoroPermeabilityFactor(const MpmKernelPoint *point, double grains, Sc
 }
 
 /*
-  The flux of grad p, -dt V_0 J dF^{-1} m (dF^{-T} grad p - rho_w g), and Darcy's velocity where somebody asks for it; at
+  The flux of grad p, -dt V_0 J dF^{-1} m (dF^{-T} grad p - rho_w g), and Darcy's velocity where it is requested; at
   small strain gradients are those by the initial position. `factor` multiplies the permeability.
 */
 MPM_FN void PoroSeepage(const MpmKernelPoint *point, const Tensor *dF, Scalar factor, const Scalar gradient[],
@@ -180,9 +181,9 @@ MPM_FN void PoroSeepage(const MpmKernelPoint *point, const Tensor *dF, Scalar fa
 #define PORO_FADES 50. /* where a step moves water over a seventh of a cell, half of the stabilisation is left */
 
 /*
-  The factor of the pressure projection, c/(2 mu), which fades where the flow itself holds pressures that alternate: these
-  have a gradient of 2/h, so that the flow's 4 x, x = 2 mu dt m/h^2, stands beside the projection's 0.3/(1 + 50 x), and the sum is
-  never less than 3/4 of what it is at once after a load.
+  The factor of the pressure projection, c/(2 mu), which fades where the flow itself prevents alternating pressures:
+  these have a gradient of 2/h, so that the flow's 4 x, x = 2 mu dt m/h^2, stands beside the projection's 0.3/(1 + 50
+  x), and the sum is never less than 3/4 of its value at once after a load.
 */
 MPM_FN double PoroProjection(const MpmKernelPoint *point, double grains)
 {
@@ -228,8 +229,9 @@ MPM_FN int PoroMass(const MpmKernelPoint *point, const Tensor *dF, Scalar J, con
 
 #if MPM_DIRECTIONS > 1
 /*
-  The tangent: derivatives by the first `count` inputs are the directions of `flux`, the others follow here by hand. Fluxes are
-  affine in grad p, with the mobility as its factor, and in the deviation; p is the caller's where `count` leaves it out.
+  The tangent: derivatives by the first `count` inputs are the directions of `flux`, the others follow here by hand.
+  Fluxes are affine in grad p, with the mobility as its factor, and in the deviation; p is the caller's where `count`
+  leaves it out.
 */
 MPM_FN void PoroTangent(const MpmKernelPoint *point, const Scalar input[], Scalar J, int count, const Scalar flux[],
                         double tangent[])
@@ -345,8 +347,8 @@ static void PoroInitial(const MpmPhysicsMaterial *material, const double *value,
 }
 
 /*
-  What a step lets through and what the stabilisation stores, of a pressure whose second difference over a cell is one; the storage
-  fades as the projection does.
+  Flow and stabilising storage of a step for a pressure whose second difference over a cell is one; the storage fades as
+  the projection does.
 */
 static double PoroGhost(const MpmPhysicsMaterial *material, const double *value, double dt, double h)
 {
@@ -360,7 +362,7 @@ static double PoroGhost(const MpmPhysicsMaterial *material, const double *value,
   return -(dt * mobility + storage / (1. + PORO_FADES * dt * mobility / storage));
 }
 
-/* Where geometry and permeability stay, what displacement does to water is what pressure does to momentum, transposed. */
+/* Symmetric where geometry and permeability stay: the couplings of water and momentum are then transposed. */
 static int PoroSymmetric(const MpmPhysicsMaterial *material, const double *value)
 {
   return (material->info->traits & MPM_LAW_SMALL_STRAIN) && (int)value[PORO_PERMEABILITY_LAW] == PORO_CONSTANT;

@@ -1,16 +1,16 @@
 /*
-  Saturated ground at one point (poro.c) with F-bar (solid_fbar.c): the volume change of the total stress is the mean over the
-  points of the cell, and the water that the pores take up goes by the same one.
+  Saturated ground at one point (poro.c) with F-bar (solid_fbar.c): the volume change of the total stress is the mean
+  over the points of the cell, and so is that of the water in the pores.
 
-  With dF_bar, m and m_bar as in solid_fbar.c, J_bar = det(dF_bar F_n), tau' the law's stress at dF_bar F_n, tau = tau' - J_bar
-  p I and tr over d components,
+  With dF_bar, m and m_bar as in solid_fbar.c, J_bar = det(dF_bar F_n), tau' the law's stress at dF_bar F_n, tau = tau'
+  - J_bar p I and tr over d components,
 
     momentum   (tau - (tr tau/d) I) : grad delta u + (tr tau/d) delta m_bar/m_bar
     water      zeta(J_bar, p), and the porosity of J_bar in the permeability
 
-  Without dilation J_bar = m_bar J_n, so that all points of a cell ask the water for one and the same relative change of
-  volume: what the pressure does to m_bar is what m_bar does to the water, and the Jacobian is symmetric where that of poro is.
-  The water flows through the ground as it lies, along gradients by dF.
+  Without dilation J_bar = m_bar J_n, so that all points of a cell have one relative change of the water's volume. The
+  couplings of pressure and m_bar are then transposed, and the Jacobian is symmetric where that of poro is. The water
+  flows through the ground as it lies, along gradients by dF.
 
   Sources: those of poro.c and solid_fbar.c.
 */

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What the kernels of solids share: the flux of a stress, and what may become the state.
+  Shared by the kernels of solids: the flux of a stress, and the candidate of the next state.
 */
 #include "talus/point/law.h"
 

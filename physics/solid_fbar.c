@@ -6,30 +6,31 @@
 
     dF_bar = (m_bar/m)^{1/d} dF ,    m_bar = sum_q w_q m_q ,   w_q the point's share of the cell's volume
 
-  (in plane strain the part in the plane is scaled). What is assembled is the variation of the same work, so the
-  Jacobian of a law with a potential is symmetric: with tau the law's stress at dF_bar F_n and tr over d components,
+  (in plane strain the components in the plane are scaled). The residual is the variation of that work, so the Jacobian
+  of a law with a potential is symmetric: with tau the law's stress at dF_bar F_n and tr over d components,
 
     tau : delta(dF_bar) dF_bar^{-1} = (tau - (tr tau/d) I) : grad delta u + (tr tau/d) delta m_bar/m_bar
 
-  The flux of m_bar is V_0 tr tau/(d m_bar); the engine adds the part of delta m_bar = sum_q w_q delta m_q, with delta m =
-  cof(dF) : delta(dF). F of the converged step is that of dF_bar, so that volume and stress belong together.
+  The flux of m_bar is V_0 tr tau/(d m_bar); the engine adds the part of delta m_bar = sum_q w_q delta m_q, with delta m
+  = cof(dF) : delta(dF). F of the converged step is that of dF_bar, so that volume and stress belong together.
 
-  At small strain m = 1 + tr h with h the increment of the displacement gradient by X, and h_bar = h + ((m_bar - m)/d) I.
+  At small strain m = 1 + tr h with h the increment of the displacement gradient by X, and h_bar = h + ((m_bar - m)/d)
+  I.
 
-  Dilation. Where plastic flow dilates, its volume strain is beta times its shear strain, and the points of a cell, whose shear
-  differs, cannot all have the same volume change: pressures at them drift apart, and a limit load never comes. With
-  `point->dilatancy` (plane strain) the mean is that of what shear leaves over,
+  Dilation. Where plastic flow dilates, its volume strain is beta times its shear strain, and the points of a cell,
+  whose shear differs, cannot all have the same volume change: pressures at them drift apart, and a limit load is never
+  reached. With `point->dilatancy` (plane strain) the mean is that of the remaining volume change,
 
     m = det dF exp(-beta g) ,   g = gamma(dF b_n dF^T) - gamma(b_n)
 
-  with b the elastic left Cauchy-Green tensor, gamma half the difference of the logarithms of its principal values in the
-  plane, thus g the plastic shear of a step that goes on flowing, and beta that of the step's start: 0 well inside the yield surface.
-  One condition a cell is left, as without dilation. g does not change when dF is scaled, so all that follows stays as it is;
-  the point's own flux of m is now (tr tau/d) dm/m = (tr tau/d) (dF^{-T} - beta dg).
+  with b the elastic left Cauchy-Green tensor, gamma half the difference of the logarithms of its principal values in
+  the plane, thus g the plastic shear of a step that goes on flowing, and beta that of the step's start: 0 well inside
+  the yield surface. One condition a cell remains, as without dilation. g does not change when dF is scaled, so all else
+  stays as it is; the point's own flux of m is now (tr tau/d) dm/m = (tr tau/d) (dF^{-T} - beta dg).
 
   Sources: de Souza Neto, Peric, Dutko and Owen (1996), doi:10.1016/0020-7683(95)00259-6; for the material point method
-  Coombs, Charlton, Cortis and Augarde (2018), doi:10.1016/j.cma.2018.01.010; the variational form is the mean dilatation
-  of Simo, Taylor and Pister (1985), doi:10.1016/0045-7825(85)90033-7.
+  Coombs, Charlton, Cortis and Augarde (2018), doi:10.1016/j.cma.2018.01.010; the variational form is the mean
+  dilatation of Simo, Taylor and Pister (1985), doi:10.1016/0045-7825(85)90033-7.
 */
 #include "fbar.h"
 
@@ -70,12 +71,12 @@ static int SolidFbarMean(const MpmKernelPoint *point, const double input[], doub
 
 #if MPM_DIRECTIONS > 1
 /*
-  The derivatives of all fluxes by dF and m_bar, with directions for dF alone, which is what laws are compiled for.
+  The derivatives of all fluxes by dF and m_bar, with directions for dF alone, as laws are compiled.
 
-  With the ratio m_bar/m held (small strain: m_bar - m) dF_bar goes with dF, and with it the law. Such directions give
-  A = D + d (x) dm_bar: D the derivatives by dF, d those by m_bar, dm_bar the change of m_bar that holds the ratio. With
-  m_bar held, dF_bar and tau do not change along the dilation E, so D : E = -P by the factor dF^{-T} alone (small strain:
-  0; the flux of m_bar: 0). Hence d = (A : E - D : E)/(dm_bar : E), and D.
+  With a constant ratio m_bar/m (small strain: m_bar - m) dF_bar goes with dF, and with it the law. Such directions give
+  A = D + d (x) dm_bar: D the derivatives by dF, d those by m_bar, dm_bar the change of m_bar at constant ratio. With
+  m_bar constant, dF_bar and tau do not change along the dilation E, so D : E = -P by the factor dF^{-T} alone (small
+  strain: 0; the flux of m_bar: 0). Hence d = (A : E - D : E)/(dm_bar : E), and D.
 */
 static int SolidFbarTangent(const MpmKernelPoint *point, const double input[], double flux[], double tangent[])
 {

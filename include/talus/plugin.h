@@ -6,7 +6,7 @@
 */
 #include "talus/talus.h"
 
-/* What the program offers to a plugin; the plugin calls nothing else of it. */
+/* Services of the program for a plugin, which calls nothing else of it. */
 typedef struct {
   PetscErrorCode (*register_law)(PetscInt count, const MpmLawInstance instances[]);
   PetscErrorCode (*register_physics)(const MpmPhysics *physics);

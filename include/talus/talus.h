@@ -120,13 +120,12 @@ PetscErrorCode MpmModelView(MpmModel model, PetscViewer viewer);
   MpmModelSetOptions - the model's options, as they would stand on a command line; before MpmModelSetFromOptions()
 
   Input Parameter:
-. options - `-mpm_dim 2 -snes_rtol 1e-8 -options_file scene.yaml ...`; what comes later overrides what came before. Words
+. options - `-mpm_dim 2 -snes_rtol 1e-8 -options_file scene.yaml ...`; later options override earlier ones. Words
             are split at blanks, so a value with blanks needs a file
 
-  Notes:
-  The model then looks at nothing else: not at the program's command line, nor at PETSC_OPTIONS. Several calls add up.
-  Without this call it takes the options database that is in force at MpmModelSetFromOptions(), by a copy: what is set
-  there later does not reach the model. Fails with MPM_ERR_INPUT for a file that cannot be read.
+  Notes: The model then looks at nothing else: not at the program's command line, nor at PETSC_OPTIONS. Several calls
+  add up. Without this call the model copies the options database that is in force at MpmModelSetFromOptions(): later
+  changes there do not reach the model. Fails with MPM_ERR_INPUT for a file that cannot be read.
 @*/
 PetscErrorCode MpmModelSetOptions(MpmModel model, const char options[]);
 
@@ -177,13 +176,13 @@ PetscErrorCode MpmModelSetUp(MpmModel model);
 /* ---- steps ---- */
 
 /*@
-  MpmModelRun - all steps that are left; writes the results
+  MpmModelRun - all remaining steps; writes the results
 
   Output Parameter:
 . status - 0, or MPM_EXIT_GAVEUP with the reason in the summary and at MpmModelGetReason()
 
-  Once a model: a run that has ended is closed. A scene of one point (physics stress_point) is run or set up, not stepped,
-  and lends no points.
+  Once a model: a run that has ended is closed. A scene of one point (physics stress_point) is run or set up, not
+  stepped, and lends no points.
 @*/
 PetscErrorCode MpmModelRun(MpmModel model, int *status);
 
@@ -249,7 +248,7 @@ PetscErrorCode MpmModelSetLoadFactor(MpmModel model, const char name[], PetscRea
 PetscErrorCode MpmModelSetLoadValue(MpmModel model, const char name[], const PetscReal value[]);
 
 /*@
-  MpmModelGetReaction - the force that a condition, a motion or a boundary exerted on the material at the end of the last step
+  MpmModelGetReaction - force of a condition, a motion or a boundary on the material at the end of the last step
 
   Not collective: all ranks have the sum.
 
@@ -268,23 +267,22 @@ PetscErrorCode MpmModelGetPointCount(MpmModel model, PetscInt *local, PetscInt *
 /*@
   MpmModelGetPoints - borrows a field of this rank's points as an array
 
-  MpmModelRestorePoints - gives it back: before the next step, or before the hook returns
+  MpmModelRestorePoints - returns it: before the next step, or before the hook returns
 
   Not collective
 
   Input Parameter:
 . name - position, position0 (m; now and at the start, `dim`), F (dim x dim, row-major), stress (Cauchy, Pa; xx, yy, zz,
-         xy (, yz, xz)), volume0 (m3), state (history of the material, see MpmModelFindState()), own (history of the physics), value (of fields with a
-         rate)
+         xy (, yz, xz)), volume0 (m3), state (history of the material, see MpmModelFindState()), own (history of the
+         physics), value (of fields with a rate)
 
   Output Parameters:
 + components - numbers a point; may be NULL
 - array      - components of point 0, of point 1, ...; points change their order and their rank from step to step
 
-  Notes:
-  What is written becomes the state from which the next step starts. F, stress and state belong together: who changes
-  one keeps the others in agreement with the material's law. Fails with PETSC_ERR_ARG_OUTOFRANGE where the model has no
-  such field.
+  Notes: Values written become the state from which the next step starts. F, stress and state belong together: a change
+  of one requires changes of the others by the material's law. Fails with PETSC_ERR_ARG_OUTOFRANGE where the model has
+  no such field.
 @*/
 PetscErrorCode MpmModelGetPoints(MpmModel model, const char name[], PetscInt *components, PetscReal **array);
 PetscErrorCode MpmModelRestorePoints(MpmModel model, const char name[], PetscInt *components, PetscReal **array);
@@ -302,7 +300,7 @@ PetscErrorCode MpmModelGetPointMaterials(MpmModel model, const PetscInt **materi
 PetscErrorCode MpmModelRestorePointMaterials(MpmModel model, const PetscInt **material);
 
 /*@
-  MpmModelFindState - where a history variable of a material stands in the field `state`, or one of the physics' own in `own`
+  MpmModelFindState - place of a history variable of a material in the field `state`, or of the physics in `own`
 
   Not collective
 

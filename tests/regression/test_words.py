@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ROOT, Test  # noqa: E402
 
 ROOMS = ("src/base", "src/options", "src/io", "src/geometry", "src/grid", "src/bc", "src/particles", "src/observe", "src/scene",
-         "src/run", "src/point")
+         "src/run", "src/point", "include", "physics", "materials", "tests/unit")
 PAGES = ("README.md", "CONTRIBUTING.md", "docs/*.md", "examples/*/README.md", "scripts/bench/README.md")
 COLUMNS, MEAN, LONGEST = 120, 20, 40
 BEGINNINGS = ("what", "it", "they", "that", "so", "the same")

@@ -50,7 +50,7 @@ static inline PetscReal BlockPower(PetscInt node, PetscInt power)
   return PetscPowRealInt(0.2 * ((PetscReal)node - 6.), power);
 }
 
-/* Coefficient of a node on one axis in a spline whose coefficients are powers; that of a not-a-knot end is the spline's value. */
+/* Coefficient of a node on one axis in a spline with powers as coefficients; at a not-a-knot end the spline's value. */
 static inline PetscReal BlockCoefficient(MpmModel model, PetscInt node, PetscInt cells, PetscInt power)
 {
   const PetscInt degree = MpmShapeDegree(model->scene.shape);

@@ -1,7 +1,7 @@
 #pragma once
 /*
-  Scenes for the tests of the engine: a model made from a line of options, and a step of it taken apart, so that residual and Jacobian can
-  be looked at for any displacement.
+  Scenes for the tests of the engine: a model made from a line of options, and a step of it in pieces, so that residual
+  and Jacobian can be evaluated for any displacement.
 */
 #include "grid/shape.h"
 #include "point/layout.h"
@@ -93,8 +93,8 @@ static inline PetscErrorCode SceneCommit(MpmModel model, Vec x)
 }
 
 /*
-  Random values at the nodes, the same for any number of ranks: amplitude[c] times a number in [-1, 1], in the physics' units. Constrained unknowns take their values, or
-  zero where `x` is a direction.
+  Random values at the nodes, equal for any number of ranks: amplitude[c] times a number in [-1, 1], in the physics'
+  units. Constrained unknowns take their values, or zero where `x` is a direction.
 */
 static inline PetscErrorCode SceneFill(MpmModel model, PetscInt seed, const PetscReal amplitude[], PetscBool direction,
                                        Vec x)
@@ -148,7 +148,8 @@ static inline PetscErrorCode SceneResidual(void *unused, Vec x, Vec f, void *ctx
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The Jacobian by PETSc's own colouring of the matrix's graph and its differences of the whole residual, where nothing is held. */
+/* The Jacobian by PETSc's own colouring of the matrix's graph and its differences of the whole residual, without
+   constraints. */
 static inline PetscErrorCode ScenePetscColoring(MpmModel model, Mat local, Vec x, PetscReal *difference)
 {
   Mat           other;
@@ -175,12 +176,12 @@ static inline PetscErrorCode ScenePetscColoring(MpmModel model, Mat local, Vec x
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the ways to a Jacobian tell about each other. */
+/* Differences between the forms of a Jacobian. */
 typedef struct {
   PetscReal norm;                /* of the local Jacobian */
   PetscReal coloring, dense, fd; /* distance from the local one, relative */
-  PetscReal petsc;               /* that of PETSc's own colouring and differences */
-  PetscReal action[2];           /* that of actions on a vector, with tangents kept and without */
+  PetscReal petsc;               /* of PETSc's own colouring and differences */
+  PetscReal action[2];           /* of actions on a vector, with tangents kept and without */
   PetscReal diagonal, blocks; /* of the diagonal without a matrix, and of inverted blocks times blocks from identity */
   PetscReal asymmetry;
   PetscReal slope;     /* least order of the Taylor remainder */
@@ -250,7 +251,8 @@ static inline PetscErrorCode SceneAction(MpmModel model, Mat local, Vec x, Vec v
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Owned nodes that others follow: diagonal blocks without a matrix leave out what couples these with their followers. */
+/* Owned nodes that others follow: diagonal blocks without a matrix leave out the coupling of these with their
+   followers. */
 static inline PetscErrorCode SceneMasters(MpmModel model, PetscReal **masters)
 {
   const MpmSpace     *space     = model->disc.space;
@@ -265,8 +267,8 @@ static inline PetscErrorCode SceneMasters(MpmModel model, PetscReal **masters)
 }
 
 /*
-  The diagonal without a matrix against the local Jacobian's, and the inverted diagonal blocks times its blocks against identity; at nodes
-  that others follow both are approximate, with a positive diagonal.
+  The diagonal without a matrix against the local Jacobian's, and the inverted diagonal blocks times its blocks against
+  identity; at nodes that others follow both are approximate, with a positive diagonal.
 */
 static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, SceneVerdict *verdict)
 {
@@ -391,7 +393,8 @@ static inline PetscErrorCode SceneById(MpmModel model, PetscInt components, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The largest difference of a field between two models of the same points, relative to the field's largest change from `base` (or 0). */
+/* Largest difference of a field between two models of equal points, relative to the field's largest change from `base`
+   (or 0). */
 static inline PetscErrorCode SceneFieldDifference(MpmModel a, MpmModel b, PetscInt components, const char *field,
                                                   const char *base, PetscReal *difference)
 {

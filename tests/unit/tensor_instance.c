@@ -1,6 +1,6 @@
 /*
-  Plain double access to tensor.h and implicit.h of one instance, so that one test program can hold several. The build compiles this
-  file once per instance, as it does the materials.
+  Plain double access to tensor.h and implicit.h of one instance, so that one test program can hold several. The build
+  compiles this file once per instance, as it does the materials.
 */
 #include "talus/point/implicit.h"
 
@@ -35,8 +35,8 @@ static int DirectProduct(const Sym *A, Sym *result)
   return 0;
 }
 
-/* which: 0 SymLog, 1 SymExp, 2 SymSqrt, 3 IsotropicProduct, 4 DirectProduct; df, MPM_SYM x MPM_SYM row-major, by each stored component of A, where the
-   instance has directions */
+/* which: 0 SymLog, 1 SymExp, 2 SymSqrt, 3 IsotropicProduct, 4 DirectProduct; df, MPM_SYM x MPM_SYM row-major, by each
+   stored component of A, where the instance has directions */
 int MPM_INSTANCE(TestSymFunction)(int which, const double *A, double *f, double *df)
 {
   const MPM_INSTANCE(SymFunction) functions[] = {SymLog, SymExp, SymSqrt, IsotropicProduct, DirectProduct};

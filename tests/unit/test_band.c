@@ -1,6 +1,6 @@
 /*
-  The band solver: right answers on any shape and number of ranks, narrow orders where shapes are narrow, and MUMPS where
-  they are not or where the matrix is not positive definite.
+  The band solver: right answers on any shape and number of ranks, narrow orders where shapes are narrow, and MUMPS for
+  other shapes or where the matrix is not positive definite.
 
   Ranks: 1 2 3 4
 */
@@ -10,7 +10,7 @@
 #define BS    2
 #define REACH 2
 
-/* Nodes of a lattice that belong to the body. Ranks have columns next to each other, and number their nodes out of order. */
+/* Nodes of a lattice that belong to the body. Ranks have adjacent columns, and number their nodes out of order. */
 typedef struct {
   PetscInt nx, ny;
   PetscBool (*has)(PetscInt i, PetscInt j);
@@ -80,7 +80,7 @@ static PetscErrorCode Number(const Body *body, PetscInt number[], PetscInt *begi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A symmetric matrix with blocks between nodes that are not more than REACH apart; `excess` of its diagonal over the rest. */
+/* A symmetric matrix with blocks between nodes up to REACH apart; `excess` of its diagonal over the other entries. */
 static PetscErrorCode Assemble(const Body *body, PetscReal excess, Mat *A)
 {
   PetscInt *number, begin, end;
@@ -211,7 +211,7 @@ START_TEST(wide)
 }
 END_TEST
 
-/* A factorisation of MUMPS that fails, of a matrix of zeros, and an indefinite matrix of the same pattern afterwards. */
+/* A failed factorisation of MUMPS, of a matrix of zeros, and an indefinite matrix of equal pattern afterwards. */
 START_TEST(singular)
 {
   const Body     body = {.nx = 40, .ny = 8, .has = Strip};

@@ -49,8 +49,8 @@ static PetscReal Power(PetscInt node, PetscInt power)
   return PetscPowRealInt(0.2 * ((PetscReal)node - 6.), power);
 }
 
-/* The coefficient of a node on one axis in a spline whose coefficients are those powers; the one of the node at a not-a-knot end
-   is the spline's value. */
+/* Coefficient of a node on one axis in a spline whose coefficients are those powers; at a not-a-knot end the spline's
+   value. */
 static PetscReal Coefficient(MpmModel model, PetscInt node, PetscInt cells, PetscInt power)
 {
   const PetscInt degree = MpmShapeDegree(model->scene.shape);
@@ -60,7 +60,8 @@ static PetscReal Coefficient(MpmModel model, PetscInt node, PetscInt cells, Pets
   return (Power(node - 1, power) + 4. * Power(node, power) + Power(node + 1, power)) / 6.;
 }
 
-/* Largest error of the followers' values where all others have coefficients of sum_a x_a^degree; how many follow, of all ranks. */
+/* Largest error of the followers' values where all others have coefficients of sum_a x_a^degree; followers on all
+   ranks. */
 static PetscErrorCode Extend(MpmModel model, PetscInt degree, PetscReal *error, PetscInt *followers)
 {
   const MpmSpace *space = model->disc.space;
@@ -88,8 +89,8 @@ static PetscErrorCode Extend(MpmModel model, PetscInt degree, PetscReal *error, 
 }
 
 /*
-  Unknowns that follow, by shape, in 2D and 3D. Linear, GIMP: the cells in which the upper faces lie are filled by 0.3; the 7 nodes behind each of
-  them in 2D and the corner, less what is shared. The others as one rank has them.
+  Numbers of unknowns that follow, by shape, in 2D and 3D. Linear, GIMP: the cells of the upper faces are filled by 0.3;
+  the 7 nodes behind each of them in 2D and the corner, less shared ones. The others as one rank has them.
 */
 static const PetscInt expected[2][5] = {{30, 30, 0, 38, 34}, {186, 186, 0, 384, 273}};
 

@@ -1,5 +1,6 @@
 /*
-  A physics of two fields through the same interface as the solid's: layout, Jacobians, and a run. toy_kernel.c is its kernel.
+  A physics of two fields through the interface of the solid's: layout, Jacobians, and a run. toy_kernel.c is its
+  kernel.
 
   Ranks: 1 2
 */
@@ -127,7 +128,7 @@ START_TEST(layout_refuses)
 }
 END_TEST
 
-/* -------------------------------------------------------------------------------------------------------------- the Jacobian */
+/* ---- the Jacobian ---- */
 
 static PetscErrorCode CreateBlock(MPI_Comm comm, PetscInt dim, const char *shape, PetscBool held, MpmModel *model)
 {
@@ -172,7 +173,8 @@ START_TEST(lattice_refuses)
 }
 END_TEST
 
-/* How strongly one field's values act on the other's rows: 1-norms of the Jacobian's off-diagonal blocks by their action on ones. */
+/* Action of one field's values on the other's rows: 1-norms of the Jacobian's off-diagonal blocks by their action on
+   ones. */
 static PetscErrorCode Coupling(MpmModel model, Mat J, PetscInt seed, PetscReal *on_scalar, PetscReal *on_solid)
 {
   const PetscInt bs = model->disc.block;
@@ -255,7 +257,7 @@ START_TEST(jacobians)
 }
 END_TEST
 
-/* ----------------------------------------------------------------------------------------------------------------- diffusion */
+/* ---- diffusion ---- */
 
 #define CELLS 20
 #define DT    0.002
@@ -329,8 +331,8 @@ START_TEST(uniform)
 END_TEST
 
 /*
-  With c = 0 held at both ends the mode decays without changing its shape. Implicit Euler takes it down by 1/(1 + rate dt) a step, where on
-  linear elements with points at a quarter and three quarters of the cell
+  With c = 0 at both ends the mode decays without changing its shape. Implicit Euler reduces it by 1/(1 + rate dt) a
+  step, where on linear elements with points at a quarter and three quarters of the cell
 
     rate = D (2 - 2 cos kh)/h^2 / (5/8 + 3/8 cos kh) ,  k = pi,
 
@@ -365,7 +367,7 @@ START_TEST(decay)
 }
 END_TEST
 
-/* c = 1 held at x = 0, nothing passes x = 1: 1 - sum_n 4/((2n+1) pi) sin((2n+1) pi x/2) exp(-((2n+1) pi/2)^2 D t) */
+/* c = 1 at x = 0, no flux at x = 1: 1 - sum_n 4/((2n+1) pi) sin((2n+1) pi x/2) exp(-((2n+1) pi/2)^2 D t) */
 static PetscReal Inflow(PetscReal x, PetscReal time)
 {
   PetscReal c = 1.;
@@ -418,7 +420,7 @@ START_TEST(inflow)
 }
 END_TEST
 
-/* ---------------------------------------------------------------------------------------------------------- on several ranks */
+/* ---- on several ranks ---- */
 
 /* Four steps in which the body is stretched and sheared while the scalar enters: the same on these ranks as on one. */
 START_TEST(ranks_agree)

@@ -1,5 +1,5 @@
 /*
-  The ghost penalty: it feels nothing of polynomials that the shape functions know. That on all faces leaves pressures alone and holds
+  The ghost penalty vanishes for polynomials in the shapes' space. On all faces it leaves pressures alone and resists
   increments that alternate from cell to cell.
 
   Ranks: 1 2
@@ -29,7 +29,7 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const char *ghost,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same of saturated ground, with a step and a permeability that make both parts of the pressure's factor count. */
+/* A scene of saturated ground, with a step and a permeability for which both terms of the pressure's factor count. */
 static PetscErrorCode CreatePoro(PetscInt dim, const char *shape, const char *ghost, MpmModel *model)
 {
   char options[2048];
@@ -67,8 +67,8 @@ static PetscReal Power(PetscInt node, PetscInt power)
   return PetscPowRealInt(0.2 * ((PetscReal)node - 6.), power);
 }
 
-/* The coefficient of a node on one axis in a spline whose coefficients are those powers; the one of the node at a not-a-knot end
-   is the spline's value. */
+/* Coefficient of a node on one axis in a spline whose coefficients are those powers; at a not-a-knot end the spline's
+   value. */
 static PetscReal Coefficient(MpmModel model, PetscInt node, PetscInt cells, PetscInt power)
 {
   const PetscInt degree = MpmShapeDegree(model->scene.shape);
@@ -151,7 +151,7 @@ START_TEST(interior_polynomials)
 }
 END_TEST
 
-/* The same up to the grid's edges, with splines that know all these polynomials there. */
+/* Polynomials up to the grid's edges, with splines that reproduce all of them there. */
 START_TEST(polynomials_at_open_edges)
 {
   static const char *const factor[] = {"1 -mpm_shape_edge open -mpm_body_b_lower 0,0 -mpm_body_b_upper 11,3",
@@ -161,8 +161,8 @@ START_TEST(polynomials_at_open_edges)
 }
 END_TEST
 
-/* What the penalty does to a pressure is what it does to a displacement, times minus dt m + S/(1 + 50 dt m/S) over E, S = h^2/(2 mu); and
-   no water comes of it. */
+/* The penalty on a pressure is that on a displacement, times minus dt m + S/(1 + 50 dt m/S) over E, S = h^2/(2 mu);
+   the sum of its water vanishes. */
 static PetscErrorCode LookAtPressure(MpmModel model, PetscReal *ratio, PetscReal *apart, PetscReal *sum)
 {
   const PetscInt bs = model->disc.block, dim = model->disc.dim, n = model->disc.space->local * bs;
@@ -220,7 +220,8 @@ START_TEST(pressure)
 }
 END_TEST
 
-/* The penalty's energy of a displacement along x that alternates along y, 1 and -1, and forces on the pressure, at a node at the most. */
+/* The penalty's energy of a displacement along x that alternates along y, 1 and -1, and the largest force on the
+   pressure at a node. */
 static PetscErrorCode Alternate(MpmModel model, PetscReal *energy, PetscReal *water)
 {
   const PetscInt bs = model->disc.block, dim = model->disc.dim, n = model->disc.space->local * bs;
@@ -246,8 +247,9 @@ static PetscErrorCode Alternate(MpmModel model, PetscReal *energy, PetscReal *wa
 }
 
 /*
-  Where the penalty is on all faces, one of normal y between 6 x 6 cells costs (gamma/2) E h^-1 (1 + 2 + 1)^2 (per h of length, h = 1): there
-  are 5 rows of 6. The faces of edge cells alone are fewer: all but 3 x 4. Pressures feel only the latter.
+  Where the penalty is on all faces, one of normal y between 6 x 6 cells costs (gamma/2) E h^-1 (1 + 2 + 1)^2 (per h of
+  length, h = 1): there are 5 rows of 6. The faces of edge cells alone are fewer: all but 3 x 4. Only the latter act on
+  pressures.
 */
 START_TEST(interior)
 {

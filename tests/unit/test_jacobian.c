@@ -1,6 +1,7 @@
 /*
-  The Jacobian: point by point, by colours and densely it is one matrix; differences and the residual's Taylor expansion say that it is the
-  right one; so do actions without a matrix and PETSc's own colouring. Every scene has moved once before it is looked at, so that F, history and domains are those of a deformed body.
+  The Jacobian: point by point, by colours and densely it is one matrix. Differences and the residual's Taylor expansion
+  confirm it; so do actions without a matrix and PETSc's own colouring. Every scene has moved once before, so that F,
+  history and domains are those of a deformed body.
 
   Ranks: 1 2
 */
@@ -29,8 +30,8 @@ static const char *const held_3d =
   "-mpm_bc_floor_components x,y,z -mpm_bc_floor_value 0.01,-0.006,0.004 -mpm_bc_side_region box "
   "-mpm_bc_side_lower 0.5,0,0 -mpm_bc_side_upper 0.5,2,2 -mpm_bc_side_components x ";
 
-/* rollers at an angle: nodes with one, with two that are not at right angles, and with one and a component; and a motion that
-   meets them */
+/* rollers at an angle: nodes with one, with two that are not at right angles, and with one and a component; and a
+   motion that meets them */
 static const char *const inclined_2d =
   "-mpm_bcs floor,side,edge -mpm_bc_floor_region box -mpm_bc_floor_lower 0,0.4 -mpm_bc_floor_upper 3,0.4 "
   "-mpm_bc_floor_normal -0.3,2 -mpm_bc_floor_value 0.01 -mpm_bc_side_region box -mpm_bc_side_lower 0.5,0 "
@@ -57,12 +58,12 @@ static const char *const touching_2d =
   "-mpm_boundary_disc_growth -0.04 "
   "-mpm_boundary_wedge_type polygon -mpm_boundary_wedge_vertices 0.5,1.6,1,1.6,0.75,1.9 "
   "-mpm_boundary_wedge_contact bilateral -mpm_boundary_wedge_motion 0.02,-0.05 ";
-/* the same with friction along them: Coulomb's, adhesion, both */
+/* with friction along them: Coulomb's, adhesion, both */
 static const char *const rubbing_2d = "-mpm_boundary_disc_friction 0.3 -mpm_boundary_wedge_friction 15deg "
                                       "-mpm_boundary_wedge_adhesion 1e4 ";
 static const char *const rubbing_3d = "-mpm_boundary_ball_friction 0.3 -mpm_boundary_rod_friction 15deg "
                                       "-mpm_boundary_rod_adhesion 1e4 ";
-/* held, with stresses on all faces and a traction on one side, which follow the body */
+/* fixed, with stresses on all faces and a traction on one side, which follow the body */
 #define LOADED_BODY \
   "-mpm_surfaces skin,top -mpm_surface_skin_body b -mpm_surface_skin_side all -mpm_surface_skin_normal -4e5 " \
   "-mpm_surface_top_body b "
@@ -96,12 +97,14 @@ static const Law laws[] = {
   {"mohr_coulomb", "-mpm_material_m_cohesion 1e3 -mpm_material_m_friction 30 -mpm_material_m_dilation 30 ", PETSC_TRUE},
 };
 
-/* A body without conditions; held; held with F-bar; held along normals, with F-bar in 3D; touching boundaries; with loads on faces. */
+/* A body without conditions; fixed; fixed with F-bar; fixed along normals, with F-bar in 3D; touching boundaries; with
+   loads on faces. */
 enum { FREE, HELD, HELD_FBAR, INCLINED, TOUCHING, RUBBING, LOADED, VARIANTS };
 static const char *const variant_names[] = {"free",     "held",    "held, F-bar", "held along normals",
                                             "touching", "rubbing", "loaded"};
 
-/* a disc, a ball, whose facets stand on its surface: pushed and rubbed by a plane, and by something round to which it sticks */
+/* a disc, a ball, whose facets stand on its surface: pushed and rubbed by a plane, and by a round boundary to which it
+   sticks */
 static const char *const round_2d =
   "-mpm_dim 2 -mpm_grid_lower 0,0 -mpm_grid_upper 3,2 -mpm_grid_cells 6,5 -mpm_body_b_region sphere -mpm_body_b_center "
   "1.5,1 -mpm_body_b_radius 0.6 -mpm_boundaries floor,side "
@@ -128,7 +131,7 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, Pe
   char              options[4096];
 
   PetscFunctionBeginUser;
-  /* the ghost penalty, where there is one, is part of half of the scenes; what is held along normals has smoothed strains */
+  /* half of the scenes have the ghost penalty, where there is one; those with normals have smoothed strains */
   PetscCall(PetscSNPrintf(
     options, sizeof(options),
     "%s%s%s%s-mpm_shape %s -mpm_materials m -mpm_material_m_type %s -mpm_material_m_E 1e6 -mpm_material_m_nu 0.3 "
@@ -183,9 +186,9 @@ static PetscErrorCode Amplitude(MpmModel model, PetscReal cells, PetscReal ampli
 
 /*
   Laws that yield, their apex and boundaries that only push have kinks, where the residual has no derivative: a
-  difference across one is no judge of a Jacobian. And where strains are hardly longer than those at yield, central differences are
-  not exact enough. The residual alone tells whether a place is `smooth`: along random directions v,
-  r(x + eps v) - 2 r(x) + r(x - eps v) falls by 4 whenever eps is halved, from steps on that are longer than any that
+  difference across one cannot judge a Jacobian. Where strains are hardly longer than those at yield, central
+  differences are not exact enough. The residual alone shows whether a place is `smooth`: along random directions v, r(x
+  + eps v) - 2 r(x) + r(x - eps v) falls by 4 whenever eps is halved, from steps on that are longer than any that
   derivatives are compared with, and (r(x + eps v) - r(x - eps v))/(2 eps) hardly changes.
 */
 #define SMOOTH_DIRECTIONS 3
@@ -255,8 +258,8 @@ static PetscErrorCode FindSmooth(MpmModel model, PetscInt seed, Vec x, Vec v)
 }
 
 /*
-  Random steps are committed, one for laws that do not yield, others until half of the points have; then the Jacobians of
-  another step are compared. `domain` > 0: half-length of all domains between, in cells.
+  Random steps are committed, one for laws that do not yield, others until half of the points have; then the Jacobians
+  of another step are compared. `domain` > 0: half-length of all domains between, in cells.
 */
 static PetscErrorCode Look(MpmModel model, const Law *law, PetscReal domain, PetscReal *plastic, SceneVerdict *verdict)
 {

@@ -1,7 +1,8 @@
 /*
-  The Jacobian of saturated ground: point by point, by colours and densely it is one matrix; actions, differences and the residual's
-  Taylor expansion say the same. With and without F-bar, at small and large strain, under gravity, free and held, with
-  permeability that changes; held ground with water that passes its faces. All numbers are of size one, so that no block hides behind another; every scene has moved once.
+  The Jacobian of saturated ground: point by point, by colours and densely it is one matrix; actions, differences and
+  the residual's Taylor expansion confirm it. With and without F-bar, at small and large strain, under gravity, free and
+  fixed, with variable permeability; fixed ground with water that passes its faces. All numbers are of size one, so that
+  no block hides behind another; every scene has moved once.
 
   Ranks: 1 2
 */
@@ -34,7 +35,7 @@ static const char *const surface =
   "-mpm_surfaces rim -mpm_surface_rim_body b -mpm_surface_rim_side all -mpm_surface_rim_pressure 0.2 ";
 static const char *const pressed = "-mpm_surface_rim_normal -3 ";
 
-/* What the ground is made of; at small strain all is linear. */
+/* Material of the ground; at small strain all is linear. */
 typedef struct {
   const char *name, *options;
   PetscBool   small;

@@ -1,6 +1,7 @@
 /*
-  The Jacobian's values on their two ways into the matrix: blocks and arrays, which PETSc's types on the host take, and lists of
-  coordinates and values, which GPU types take. Both must give one matrix; and a type that knows coordinates alone must do.
+  The Jacobian's values on their two ways into the matrix: blocks and arrays, which PETSc's types on the host take, and
+  lists of coordinates and values, which GPU types take. Both must give one matrix; and a type with coordinates alone
+  must do.
 
   Ranks: 1 2 3
 */

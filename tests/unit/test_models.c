@@ -38,8 +38,8 @@ static const char *const scenes[] = {
 #define STEPS  5
 
 /*
-  On several ranks MUMPS adds in the order in which messages come: one model alone is not the same twice. So all direct
-  solutions are made on each rank there.
+  On several ranks MUMPS adds in the order in which messages come: even one model alone is not reproducible. All direct
+  solutions are therefore made on each rank there.
 */
 static PetscErrorCode Create(PetscInt scene, MpmModel *model)
 {
@@ -306,7 +306,7 @@ START_TEST(hooks)
 }
 END_TEST
 
-/* What is written into the points is where the next step starts. */
+/* Values written into the points are the start of the next step. */
 START_TEST(points)
 {
   MpmModel   model;
@@ -380,8 +380,8 @@ START_TEST(memory)
 END_TEST
 
 /*
-  What PETSc says of memory that is left when it ends goes to stdout, with the function and the line that allocated it.
-  So the tests run with stdout in a file, which is shown and searched.
+  PETSc reports memory that is not freed at its end on stdout, with the function and the line that allocated it.
+  Therefore the tests run with stdout in a file, which is shown and searched.
 */
 static int RunCaptured(int count, char **words, const TTest *const tests[], size_t test_count)
 {

@@ -1,8 +1,8 @@
 /*
-  What a run leaves behind: points as HDF5 and XDMF, history as CSV, summary as JSON.
+  Files of a run: points as HDF5 and XDMF, history as CSV, summary as JSON.
 
-  Ids are distributed over the ranks at random, with rank 1 left empty; every value of a row can be computed from its id, so
-  that the file alone shows whether each row arrived where it belongs.
+  Ids are distributed over the ranks at random, with rank 1 left empty; every value of a row can be computed from its
+  id, so that the file alone shows whether each row arrived where it belongs.
 
   Ranks: 1 2 4
 */
@@ -207,7 +207,7 @@ static void CheckIntegers(hid_t group, const char *name, PetscInt factor, PetscI
   free(values);
 }
 
-/* The same stress row by row: xx, xy, xz, yx, ... out of xx, yy, zz, xy, yz, xz. */
+/* The stress row by row: xx, xy, xz, yx, ... out of xx, yy, zz, xy, yz, xz. */
 static void CheckTensors(hid_t file, PetscInt step, PetscInt points)
 {
   static const PetscInt column[] = {0, 3, 5, 3, 1, 4, 5, 4, 2};
@@ -708,7 +708,7 @@ static void WriteAlone(void)
   collective_bytes = PETSC_INT_MAX;
 }
 
-/* What concerns points, once with all ranks writing and once with rank 0 alone. */
+/* Tests of points, once with all ranks writing and once with rank 0 alone. */
 static void AddPoints(Suite *suite, const char *name, void (*choose)(void))
 {
   TCase *points = tcase_create(name);

@@ -1,5 +1,5 @@
 /*
-  Several ranks: who owns what, points on the move, node numbers, and results that do not depend on how many ranks there are.
+  Several ranks: ownership, points on the move, node numbers, and results independent of the number of ranks.
 
   Ranks: 1 2 3 4
 */
@@ -36,7 +36,7 @@ static PetscErrorCode Create(MPI_Comm comm, const char *scene, const char *more,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* --------------------------------------------------------------------------------------------------------------- ownership */
+/* ---- ownership ---- */
 
 /* Nodes of the lattice per rank; every rank counts them all. */
 static PetscErrorCode CountNodes(const MpmGrid *grid, PetscInt nodes[])
@@ -121,7 +121,7 @@ START_TEST(ownership)
 }
 END_TEST
 
-/* Balanced shapes, and what is asked of them: a part of a layer of cells, at most half of one a cut, is all that may be left. */
+/* Balanced shapes, and the allowed imbalance: a fraction of a layer of cells, at most half of one a cut. */
 static const struct {
   const char *scene;
   PetscReal   most;
@@ -161,7 +161,7 @@ START_TEST(balance)
 }
 END_TEST
 
-/* --------------------------------------------------------------------------------------------------------------- migration */
+/* ---- migration ---- */
 
 #define POINTS 500
 #define STATES 5
@@ -200,7 +200,7 @@ static void ListColumns(const MpmParticles *particles, const MpmPoints *points, 
 
 typedef enum { WRITE, COMPARE, PLACE_ANYWHERE, PLACE_MIRRORED, PLACE_TOGETHER } Task;
 
-/* Goes through all points of this rank: writes or compares their marks, or places them. `wrong` counts what does not compare. */
+/* Goes through all points of this rank: writes or compares their marks, or places them. `wrong` counts differences. */
 static PetscErrorCode Visit(MpmParticles *particles, const MpmGrid *grid, Task task, PetscInt seed, PetscInt *wrong)
 {
   const PetscInt dim = grid->dim;
@@ -509,7 +509,7 @@ START_TEST(lent_fields)
 }
 END_TEST
 
-/* ------------------------------------------------------------------------------------------------------------- node numbers */
+/* ---- node numbers ---- */
 
 static PetscInt Key(const MpmGrid *grid, const MpmSpace *space, PetscInt i)
 {
@@ -616,7 +616,7 @@ START_TEST(numbering)
 }
 END_TEST
 
-/* ------------------------------------------------------------------------------------------------------------------ results */
+/* ---- results ---- */
 
 /* The run on these ranks against the same on one, point by point. */
 static void CheckSame(MpmModel model, MpmModel alone, const char *name)

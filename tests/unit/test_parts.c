@@ -1,6 +1,6 @@
 /*
-  Parts of the material: two blocks that share a face and their nodes' places move as each does alone, with every shape; and boxes
-  of different parts that a term couples have their entries in the Jacobian, whichever ranks they are on.
+  Parts of the material: two blocks that share a face and their nodes' places move as each does alone, with every shape.
+  Boxes of different parts that a term couples have their entries in the Jacobian, whichever ranks they are on.
 
   Ranks: 1 2 3
 */
@@ -21,7 +21,7 @@ static const char *const blocks_2d[] = {"-mpm_body_a_region box -mpm_body_a_lowe
 static const char *const blocks_3d[] = {
   "-mpm_body_a_region box -mpm_body_a_lower 0.5,0,0.2 -mpm_body_a_upper 1.5,1,0.8 ",
   "-mpm_body_b_region box -mpm_body_b_lower 1.5,0,0.2 -mpm_body_b_upper 2.5,1,0.8 "};
-/* so soft that the bodies do not feel one another */
+/* too soft for the bodies to affect one another */
 static const char *const contact = "-mpm_contacts ab -mpm_contact_ab_bodies a,b -mpm_contact_ab_penalty 1e-13 ";
 
 typedef struct {
@@ -110,8 +110,8 @@ END_TEST
 /* ---- coupled ---- */
 
 /*
-  Springs between all nodes of a box of one part and one of the other, on the lowest rank: the residual is stiffness times
-  (u_i - mean of the others).
+  Springs between all nodes of a box of one part and one of the other, on the lowest rank: the residual is stiffness
+  times (u_i - mean of the others).
 */
 #define STIFFNESS 3e5
 typedef struct {

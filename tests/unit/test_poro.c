@@ -1,6 +1,6 @@
 /*
-  The kernels of saturated ground at one point, with and without F-bar: what the scene's numbers become, permeability by the
-  volume, one an axis, what the step's start and its first stage leave, derivatives against differences, symmetry.
+  The kernels of saturated ground at one point, with and without F-bar: derived parameters, permeability by the volume,
+  one an axis, storage from the step's start and its first sub-step, derivatives against differences, symmetry.
 */
 #include "options/options.h"
 #include "point/layout.h"
@@ -147,7 +147,7 @@ END_TEST
 
 /* ---- how water flows ---- */
 
-/* What a pressure gradient of 1 along an axis drives along it, at uniaxial strain of stretch J, over that without strain */
+/* Flow along an axis by a pressure gradient of 1 along it, at uniaxial strain of stretch J, over that without strain */
 static double Factor(const MpmMaterial *ground, PetscInt dim, PetscInt axis, double J)
 {
   const MpmPhysics physics               = Physics("poro");
@@ -233,8 +233,8 @@ END_TEST
 
 /* ---- what it keeps ---- */
 
-/* The flux of p is -V_0 (zeta - zeta_n), or of the second stage -V_0 (zeta - zeta_n - theta (zeta_1 - zeta_n)); that of the
-   deviation likewise, times c/(2 mu). */
+/* The flux of p is -V_0 (zeta - zeta_n), or of the second sub-step -V_0 (zeta - zeta_n - theta (zeta_1 - zeta_n));
+   that of the deviation likewise, times c/(2 mu). */
 START_TEST(storage)
 {
   const MpmPhysics physics = Physics("poro");
@@ -398,8 +398,8 @@ static const char *const laws[] = {"-mpm_material_a_type neo_hookean ", "-mpm_ma
 static const char *const permeabilities[] = {"constant", "kozeny_carman", "uzuoka_borja"};
 
 /*
-  Forms against each other and differences. The Jacobian is symmetric at small strain, where water flows by the shape at the
-  start, and at large strain where nothing flows and water is incompressible.
+  Forms against each other and differences. The Jacobian is symmetric at small strain, where water flows by the initial
+  shape, and at large strain where nothing flows and water is incompressible.
 */
 START_TEST(derivatives)
 {
@@ -437,8 +437,8 @@ START_TEST(derivatives)
 }
 END_TEST
 
-/* With F-bar a mean that is the point's own volume change makes the kernel without: all fluxes but that of the mean, whose part
-   goes to the gradients. */
+/* With F-bar a mean that is the point's own volume change makes the kernel without: all fluxes but that of the mean,
+   which goes to the gradients. */
 START_TEST(mean_of_one)
 {
   for (int k = 0; k < 8; k++) {

@@ -1,6 +1,6 @@
 /*
-  A step as a minimisation: the objective's derivative is the residual, for each law that has an energy, each shape and integrator, in a body that has
-  moved before; and what has no potential has no objective.
+  A step as a minimisation: the objective's derivative is the residual, for each law that has an energy, each shape and
+  integrator, in a body that has moved before; without a potential there is no objective.
 
   Ranks: 1 2 3
 */

@@ -133,7 +133,8 @@ static void Compare(PetscInt dim, PetscInt shape, PetscBool fbar, const char *mo
   SCENE_CALL(Fill(model, 4, 0.01, PETSC_TRUE, v));
   SCENE_CALL(SceneCompare(model, model->solver.x, v, &verdict));
   Check(name, &verdict, (PetscBool)(dim == 2 ? !more[0] : more == one_axis));
-  ck_assert_int_eq(model->solver.symmetric, 0); /* what sticks may part, and lets go with its pressure */
+  ck_assert_int_eq(model->solver.symmetric,
+                   0); /* sticking contact may open, and its traction vanishes with its pressure */
   SCENE_CALL(MpmGatherSolution(&model->solver, model->solver.x));
   CheckTouch(model);
   SCENE_CALL(VecDestroy(&v));

@@ -1,8 +1,8 @@
 /*
   Rigid rotation of a body under stress, by 360 degrees in 12 steps: grid lines pass through it at every angle. The
   nodes are given the rotation's displacement, which every shape function reproduces, so that a step's deformation is
-  the rotation itself. What an objective law and a sound update make of it: after every step F = Q F_0, sigma = Q
-  sigma_0 Q^T and x = c + Q (x_0 - c), with Q the rotation so far; after the last one everything is where it was.
+  the rotation itself. With an objective law and a sound update, after every step F = Q F_0, sigma = Q sigma_0 Q^T and x
+  = c + Q (x_0 - c), with Q the rotation so far; after the last one everything is where it was.
 
   A small-strain law is not objective and is left out.
 
@@ -50,7 +50,7 @@ static void Rotation(PetscInt dim, PetscReal angle, PetscReal Q[])
     for (PetscInt b = 0; b < 3; b++) Q[a * 3 + b] = (a == b ? c : 0.) + s * skew[a * 3 + b] + (1. - c) * n[a] * n[b];
 }
 
-/* What the points hold, by id. */
+/* Values of the points, by id. */
 typedef struct {
   PetscReal *x, *F, *stress;
 } State;
@@ -83,7 +83,7 @@ static PetscReal Component(const PetscReal stress[], PetscInt a, PetscInt b)
   return stress[place[a][b]];
 }
 
-/* What stands off by how much. */
+/* Deviations of the points' values. */
 typedef struct {
   PetscReal position; /* m */
   PetscReal F;

@@ -4,7 +4,7 @@
 #include "grid/shape.h"
 #include "unit.h"
 
-/* Check writes a line for every assertion that it looks at; the ones made millions of times are only seen when they fail. */
+/* Check writes a line for every assertion; those made millions of times are only reported when they fail. */
 #define CHECK_POINT(condition, ...) \
   do { \
     if (!(condition)) ck_abort_msg(__VA_ARGS__); \
@@ -123,7 +123,7 @@ START_TEST(edge_values)
   CheckNodes(&s, 0, 3, half_w, half_g, 5.1e-10);
   s = Evaluate(MPM_SHAPE_GIMP_BSPLINE2, 0.25, 0.25, 0, FAR);
   CheckNodes(&s, 0, 2, quarter_w, quarter_g, 1e-15);
-  for (PetscInt p = 0; p < 3; p++) { /* the same from the upper edge, mirrored */
+  for (PetscInt p = 0; p < 3; p++) { /* from the upper edge, mirrored */
     s = Evaluate(MPM_SHAPE_GIMP_BSPLINE2, 9.5, 0.25, 0, 10);
     ck_assert_double_eq_tol(Weight(&s, 10 - p), half_w[p], 5.1e-10);
     ck_assert_double_eq_tol(Gradient(&s, 10 - p), -half_g[p], 5.1e-10);
@@ -236,7 +236,8 @@ START_TEST(identities)
 }
 END_TEST
 
-/* Smoothed weights and gradients: linear fields keep their gradients, and with the means alone all places of a piece are alike. */
+/* Smoothed weights and gradients: linear fields keep their gradients, and with the means alone all places of a knot
+   span are alike. */
 static void CheckSmoothed(MpmShapeType type, PetscReal xi, PetscReal l, PetscInt cells)
 {
   PetscReal    weight[WIDE], gradient[WIDE], cross[WIDE], slope[WIDE], sum = 0., moment[2] = {0., 0.}, total = 0.;
@@ -320,7 +321,7 @@ START_TEST(shifted_edge)
 }
 END_TEST
 
-/* ------------------------------------------------------------------------------------------------------- not-a-knot ends */
+/* ---- not-a-knot ends ---- */
 
 /* Coefficients of x^power on the cardinal B-splines of degree p: means of products of a node's inner knots. */
 static PetscReal Blossom(PetscInt p, PetscInt power, PetscReal node)
@@ -383,7 +384,8 @@ START_TEST(open_edges)
 }
 END_TEST
 
-/* Away from the edges, and between edges that are too near each other, a not-a-knot end changes nothing; nor do linear basis functions have it. */
+/* Away from the edges, and between edges that are too near each other, a not-a-knot end changes nothing; nor do linear
+   basis functions have it. */
 START_TEST(where_open_edges_end)
 {
   for (int type = 0; type < MPM_SHAPE_COUNT; type++) {

@@ -1,6 +1,5 @@
 /*
-  Shapes of rigid things: distances against what is found by looking everywhere, and their derivatives against differences.
-  How they move.
+  Shapes of rigid bodies: distances against an exhaustive search, and their derivatives against differences. Motions.
 */
 #include "geometry/motion.h"
 #include "geometry/solid.h"
@@ -69,7 +68,7 @@ static void CheckDerivatives(const MpmSolid *solid, const PetscReal x[])
   ck_assert_double_eq_tol(DistanceOf(solid, on), 0., 1e-13); /* the way back leads to the surface */
 }
 
-/* Is the place so near to where the gradient jumps, or bends, that differences say nothing? */
+/* True where the gradient jumps or bends so near the place that differences are meaningless. */
 static PetscBool IsKink(const MpmSolid *solid, const PetscReal x[])
 {
   const PetscReal e = 4e-5;

@@ -1,5 +1,5 @@
-/* dual.h, tensor.h and implicit.h: arithmetic against closed forms, isotropic functions against each other, identities and
-   differences. */
+/* dual.h, tensor.h and implicit.h: arithmetic against closed forms, isotropic functions against each other, identities
+   and differences. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>
@@ -385,7 +385,7 @@ START_TEST(test_scalar)
 }
 END_TEST
 
-/* The root is that of the equation, its derivatives those of the closed form, in all forms the same; from bad starts. */
+/* The root is that of the equation, its derivatives those of the closed form, in all forms alike; from bad starts. */
 START_TEST(test_implicit_bracket)
 {
   random_state = 7;

@@ -198,7 +198,7 @@ static void CheckBrute(MpmTriangles triangles, const PetscReal x[])
   ck_assert_double_eq_tol(square, 1., 1e-13);
 }
 
-/* Everywhere, far away, and at hostile places: on vertices, edges and faces, in planes and along normals through them. */
+/* Everywhere, far away, and at hostile places: vertices, edges and faces, in planes and along normals through them. */
 static void CheckDistances(PetscReal reach)
 {
   MpmTriangles triangles = Create();

@@ -5,9 +5,9 @@
     V_0 (c - c_n)/dt                                                                             conjugate to c
     V_0 D J dF^{-1} dF^{-T} grad c                                                               conjugate to grad c
 
-  Gradients are taken with respect to the position at the step's start, so that those by the position at its end are dF^{-T} grad; J = det F.
-  The two fields act on each other through beta and through the J in the diffusivity. lambda and mu are the material's, D and beta the
-  physics'.
+  Gradients are taken with respect to the position at the step's start, so that those by the position at its end are
+  dF^{-T} grad; J = det F. The two fields act on each other through beta and through the J in the diffusivity. lambda
+  and mu are the material's, D and beta the physics'.
 */
 #include "talus/point/elasticity.h"
 

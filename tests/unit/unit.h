@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What the unit tests share: the runner, and a way to look at an error that PETSc would print.
+  Shared by the unit tests: the runner, and a way to look at an error that PETSc would print.
 
   Tests run in this very process (no fork): MPI does not survive one, and the sanitizers see everything.
 */

@@ -1,15 +1,16 @@
 #pragma once
 /*
-  How a physics asks the law of its material, whatever number of directions its own kernel carries. Included by law.h.
+  Evaluation of a material's law by a physics, for any number of directions of the physics' own kernel. Included by
+  law.h.
 
   Laws are compiled for dim^2 directions, those of dF. Where a kernel carries others, as many as it has inputs say, the
-  law is asked for its derivatives by dF, and the chain rule does the rest:
+  law returns its derivatives by dF, and the chain rule gives
 
     tau = tau(dF) ,   d tau = sum_k (d tau / d dF_k) d dF_k
 */
 #define LAW_DIRECTIONS (MPM_DIM * MPM_DIM)
 
-/* The time that a law is told, whose history goes from the step's start: with two stages not that in which something flows. */
+/* Time of a law, whose history goes from the step's start: with two sub-steps not that in which something flows. */
 MPM_FN double LawTime(const MpmKernelPoint *point)
 {
   return point->stage ? point->stage->span : point->dt;

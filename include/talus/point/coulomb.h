@@ -1,22 +1,23 @@
 #pragma once
 /*
-  Mohr-Coulomb's planes with a tension cut-off in principal stresses t1 >= t2 >= t3, and the return to them, whatever stress
-  the law means. Included by files in materials/.
+  Mohr-Coulomb's planes with a tension cut-off in principal stresses t1 >= t2 >= t3, and the return to them, for any
+  measure of stress. Included by files in materials/.
 
     f = t1 - t3 + (t1 + t3) sin phi - 2 c cos phi <= 0,   t1 <= tension
     flow potential of f: the same with psi in place of phi; the cut-off's is t1 itself
 
-  Return: t = t_trial - C sum_i dg_i r_i, dg_i >= 0, C being Hooke's law, where the active planes n_i . t = h_i of the list
+  Return: t = t_trial - C sum_i dg_i r_i, dg_i >= 0, C being Hooke's law, where the active planes n_i . t = h_i of the
+  list
 
-    13, 13 and 12, 13 and 23, tension 1, 13 and tension 1, tension 1 and 2, and the corners: apex t = c cot phi; with a tension
-    strength below that, (T, T, T), (T, S, S), (T, T, S), S = ((1 + sin phi) T - 2 c cos phi)/(1 - sin phi)
+    13, 13 and 12, 13 and 23, tension 1, 13 and tension 1, tension 1 and 2, and the corners: apex t = c cot phi; with a
+    tension strength below that, (T, T, T), (T, S, S), (T, T, S), S = ((1 + sin phi) T - 2 c cos phi)/(1 - sin phi)
 
   are the first that leave no plane violated. The regions of trial stress that belong to them are those of the closest
   point where psi = phi; where psi < phi they still fill the space of trial stress without overlap. With psi = 0 no flow
-  leads to the apex: it is a tension cut-off. Each region's return is linear, so it is exact.
+  leads to the apex, a tension cut-off. Each region's return is linear, so it is exact.
 
-  Source: de Souza Neto, Peric and Owen (2008), doi:10.1002/9780470694626, section 8.2; Koiter (1953), Quarterly of Applied
-  Mathematics 11, 350-354, for edges.
+  Source: de Souza Neto, Peric and Owen (2008), doi:10.1002/9780470694626, section 8.2; Koiter (1953), Quarterly of
+  Applied Mathematics 11, 350-354, for edges.
 */
 #include "elasticity.h"
 
@@ -56,8 +57,9 @@ MPM_FN double CoulombNoise(Lame lame)
 }
 
 /*
-  Whether a stress is surely inside, by its invariants p and root = sqrt(J2): t1 - t3 = 2 sqrt(J2) cos(theta), t1 + t3 = 2 p - (2/sqrt 3)
-  sqrt(J2) sin(theta) with Lode's angle theta make f at most 2 (p sin phi + sqrt(J2) sqrt(1 + sin^2(phi)/3)) - 2 c cos phi.
+  True where a stress is surely inside, by its invariants p and root = sqrt(J2): t1 - t3 = 2 sqrt(J2) cos(theta), t1 +
+  t3 = 2 p - (2/sqrt 3) sqrt(J2) sin(theta) with Lode's angle theta make f at most 2 (p sin phi + sqrt(J2) sqrt(1 +
+  sin^2(phi)/3)) - 2 c cos phi.
 */
 MPM_FN int CoulombIsSurelyInside(const CoulombStrength *strength, double p, double root)
 {
@@ -71,7 +73,7 @@ MPM_FN int CoulombIsSurelyInside(const CoulombStrength *strength, double p, doub
 
 /*
   The planes: of Mohr-Coulomb between principal values i > j, n = (1 + sin phi) e_i - (1 - sin phi) e_j, and of tension,
-  n = e_i. What flow takes from the stress, C r: along i, along j, and along the third.
+  n = e_i. The decrease of stress by flow is C r: along i, along j, and along the third.
 */
 typedef enum { COULOMB_13, COULOMB_12, COULOMB_23, COULOMB_TENSION_1, COULOMB_TENSION_2, COULOMB_NONE } CoulombPlane;
 

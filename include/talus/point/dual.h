@@ -7,14 +7,14 @@
   automatic differentiation, Griewank and Walther 2008, doi:10.1137/1.9780898717761). The number of directions is known
   at compile time, so the loops over them are vectorised.
 
-  Real is the type of what does not depend on the step's increment: parameters, history and deformation gradient at the
-  step's start, and what follows from them. It is a plain double, but for one instance of every law that differentiates
-  by them, MPM_SENSITIVITY: there Real and Scalar are one type, real.h says which. The operators + - * / work on it in
-  either case, functions are RealSqrt(), RealSin(), ..., and branches must test RealValue().
+  Real is the type of numbers that do not depend on the step's increment: parameters, history and deformation gradient
+  at the step's start, and numbers derived from them. A Real is a plain double, but for one instance of every law that
+  differentiates by them, MPM_SENSITIVITY: there Real and Scalar are one type (real.h). The operators + - * / work on it
+  in either case, functions are RealSqrt(), RealSin(), ..., and branches must test RealValue().
 
-  Only what stands between #if and #endif, and dual_number.h, knows how a Scalar is stored; all else is built on
-  ScalarChain() and ScalarChain2(), the chain rule for one and two arguments. Branches must test ScalarValue(): a dual number follows the
-  branch that its value takes.
+  Only code between #if and #endif, and dual_number.h, knows how a Scalar is stored; all else is built on
+  ScalarChain() and ScalarChain2(), the chain rule for one and two arguments. Branches must test ScalarValue(): a dual
+  number follows the branch that its value takes.
 */
 #include <math.h>
 #include "dense.h"
@@ -188,7 +188,7 @@ MPM_FN void ScalarAddDirections(Scalar *sum, double alpha, const Scalar *a)
 #undef NUMBER_DIRECTIONS
 #undef NUMBER
 
-/* What is kept of a Scalar for the next step: history. */
+/* Value of a Scalar as kept for the next step: history. */
 MPM_FN Real ScalarReal(Scalar a)
 {
   return ScalarValue(a);
@@ -231,10 +231,10 @@ MPM_FN Scalar ScalarSquare(Scalar a)
 /* ---- numbers with directions of the law's own choosing ---- */
 
 /*
-  Dual: four directions in every form, for what a law computes from at most four numbers of its own, its inputs:
-  principal values, invariants, unknowns. The inputs are seeded, DualSeed(ScalarValue(input), k); ScalarFromDual() makes a result a
-  function of the inputs as Scalars, by the chain rule. That is cheaper than to carry all directions of dF along, gives
-  the derivatives by the inputs as numbers, and the same values in all forms.
+  Dual: four directions in every form, for functions of at most four numbers of a law, its inputs: principal values,
+  invariants, unknowns. The inputs are seeded, DualSeed(ScalarValue(input), k); ScalarFromDual() makes a result a
+  function of the inputs as Scalars, by the chain rule. This method is cheaper than carrying all directions of dF along.
+  Derivatives by the inputs are numbers, and values are equal in all forms.
 
   Parameters and history come in as Reals. In the instance that differentiates by them a fifth direction is theirs.
 */

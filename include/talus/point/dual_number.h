@@ -26,7 +26,7 @@ typedef struct {
   NUMBER_(Lane) v;               /* value, in all lanes: it multiplies derivatives */
 } NUMBER;
 
-/* The same number in all lanes. */
+/* One number in all lanes. */
 MPM_FN NUMBER_(Lane) NUMBER_(Splat)(double value)
 {
 #if NUMBER_LANE == 1
@@ -57,7 +57,7 @@ MPM_FN double NUMBER_(Direction)(NUMBER a, int k)
 #endif
 }
 
-/* What does not depend on the directions; where Reals have a derivative of their own, it is the last direction. */
+/* A number independent of the directions; where Reals have a derivative of their own, it is the last direction. */
 MPM_FN NUMBER NUMBER_(Constant)(Real value)
 {
   const NUMBER_(Lane) zero = {0.};

@@ -1,7 +1,6 @@
 #pragma once
 /*
-  What isotropic elastic laws have in common: parameters, Lame's constants, Hencky's stress. Included by files in
-  materials/.
+  Shared by isotropic elastic laws: parameters, Lame's constants, Hencky's stress. Included by files in materials/.
 */
 #include "law.h"
 
@@ -30,7 +29,7 @@ MPM_FN Lame LameFromParameters(const Real *parameter)
   return lame;
 }
 
-/* The same from plain numbers, which functions beside the kernel have */
+/* Lame's constants from plain numbers, which functions beside the kernel have */
 MPM_FN Lame LameFromValues(const double *parameter)
 {
   const Real elastic[ELASTIC_COUNT] = {parameter[ELASTIC_DENSITY], parameter[ELASTIC_E], parameter[ELASTIC_NU]};
@@ -113,8 +112,8 @@ MPM_FN Real ElasticPlasticGrowth(const Sym *trial, const Sym *end)
 }
 
 /*
-  History that begins with the elastic left Cauchy-Green tensor b, from a wanted Kirchhoff stress of Hencky's elasticity:
-  b = exp(2 e), e = (tau - lambda/(3 lambda + 2 mu) tr(tau) I)/(2 mu). The rest stays.
+  History that begins with the elastic left Cauchy-Green tensor b, from a given Kirchhoff stress of Hencky's elasticity:
+  b = exp(2 e), e = (tau - lambda/(3 lambda + 2 mu) tr(tau) I)/(2 mu). Other variables stay.
 */
 MPM_FN int ElasticHistory(const double *parameter, const MpmLawTable *table, const double *stress, double *state)
 {

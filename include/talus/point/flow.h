@@ -1,7 +1,7 @@
 #pragma once
 /*
-  What flows through a point, beside its law.
+  Flow of water through a point, beside its law.
 */
 
-/* A bit of a kernel point's traits, which no law has: water leaves and enters at once, and its pressure is that of a steady flow. */
+/* A bit of a kernel point's traits, of no law: water leaves and enters at once, with the pressure of a steady flow. */
 #define MPM_POINT_DRAINED (1u << 31)

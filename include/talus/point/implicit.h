@@ -1,22 +1,22 @@
 #pragma once
 /*
-  The local problem of a law: up to three unknowns x with r(x; inputs) = 0, at one point. Included by files in materials/
-  that have one.
+  The local problem of a law: up to three unknowns x with r(x; inputs) = 0, at one point. Included by files in
+  materials/ that have one.
 
   r is written once, in Dual numbers (dual.h), as an ImplicitResidual: inputs and unknowns in, as many residuals as
-  unknowns out; non-zero where it cannot be evaluated. `problem` is what else it needs: the point with its parameters and
-  history, or a struct of the law's. Inputs are Duals with directions 0, 1, .. of the law's choosing, principal values or
-  invariants, seeded; they carry no more directions than there are inputs.
+  unknowns out; non-zero where it cannot be evaluated. `problem` has its other data: the point with its parameters and
+  history, or a struct of the law's. Inputs are Duals with directions 0, 1, .. of the law's choosing, principal values
+  or invariants, seeded; they carry no more directions than there are inputs.
 
-  Newton's method finds the values of x in plain doubles, the unknowns taking the directions of the inputs; parameters are
-  constants. The derivatives follow by one step from there, x - J^{-1} r with r in the inputs' directions: it leaves the
-  values alone and is exact, for by the implicit function theorem dx = -J^{-1} (dr/d input) d input. That holds in every
-  form, and the values are the same in all of them.
+  Newton's method finds the values of x in plain doubles, the unknowns taking the directions of the inputs; parameters
+  are constants. The derivatives follow by one step from there, x - J^{-1} r with r in the inputs' directions. This step
+  leaves the values alone and is exact, for by the implicit function theorem dx = -J^{-1} (dr/d input) d input. Every
+  form has these derivatives, and equal values.
 
-  The answer must not depend on where the iteration starts: the stress would not be a smooth function of the step. Where r
-  has several roots, the bracket or the start has to single one out, without a jump.
+  The answer must not depend on where the iteration starts: the stress would not be a smooth function of the step. Where
+  r has several roots, the bracket or the start has to single one out, without a jump.
 
-  Convergence: relative to x, 1e-12 or what rounding leaves. Non-zero results mean that there is no answer.
+  Convergence: relative to x, 1e-12 or the limit by rounding. Non-zero results mean that there is no answer.
 */
 #include "law.h"
 
@@ -31,7 +31,7 @@ typedef int (*ImplicitResidual)(const void *problem, const Dual input[], const D
 typedef struct {
   ImplicitResidual residual;
   const void      *problem;
-  const Dual      *input; /* what x depends on */
+  const Dual      *input; /* arguments of x */
   int              inputs, unknowns;
   double           scale; /* a size of x below which nothing matters, as eps times it does not */
 } Implicit;
@@ -109,7 +109,7 @@ MPM_FN int ImplicitDerive(const Implicit *implicit, const double value[], Dual x
   if (ImplicitDifferentiate(implicit, value, r, J, &first)) return 1;
   det = MpmCofactors(3, J, cofactor);
   for (int i = 0; i < n; ++i) {
-    if (first >= 0) x[i] = DualSeed(value[i], first + i); /* what is then added takes that direction away again */
+    if (first >= 0) x[i] = DualSeed(value[i], first + i); /* the later sum removes that direction again */
     for (int j = 0; j < n; ++j) DualAddDirections(&x[i], -cofactor[3 * j + i] / det, &r[j]);
   }
   return !(fabs(det) >= DBL_MIN);

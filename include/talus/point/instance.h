@@ -7,7 +7,7 @@
 #define MPM_ROWS(table_) (sizeof(table_) / sizeof((table_)[0]))
 
 /*
-  What the engine calls: the kernel itself or, in the instance that differentiates by all that a law is given, a function
+  Entry of the engine: the kernel itself or, in the instance that differentiates by all arguments of a law, a function
   of plain numbers around it.
 */
 #if defined(MPM_SENSITIVITY)
@@ -38,11 +38,11 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 #endif
 
 /*
-  MPM_LAW_DEFINE(name, parameters, states, kernel, .summary = ..., .traits = ..., .stiffness = ..., ...) - constructor of a
-  constitutive law: its static tables, its kernel, and what else it says of itself, as members of MpmLawInfo
+  MPM_LAW_DEFINE(name, parameters, states, kernel, .summary = ..., .traits = ..., .stiffness = ..., ...) - constructor
+  of a constitutive law: its static tables, its kernel, and further properties as members of MpmLawInfo
 
-  A law without history passes MPM_NO_STATE for `states`. Functions that are left out are NULL; `stiffness` is a must, and
-  `shear_modulus` where a pressure field is to be stabilized.
+  A law without history passes MPM_NO_STATE for `states`. Functions that are left out are NULL; `stiffness` is a must,
+  and `shear_modulus` where a pressure field is to be stabilized.
 */
 #define MPM_LAW_DEFINE(name_, parameters_, states_, kernel_, ...) \
   MPM_LAW_ENTRY(name_, parameters_, states_, kernel_) \
@@ -61,7 +61,7 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
   }
 
 /*
-  The same by position, without a shear modulus: MPM_LAW(name, traits, summary, parameters, states, check, stiffness,
+  Definitions by position, without a shear modulus: MPM_LAW(name, traits, summary, parameters, states, check, stiffness,
   kernel), MPM_LAW_MORE(..., kernel, symmetric, history), MPM_LAW_ALL(..., kernel, symmetric, history, k0),
   MPM_LAW_DILATANT(..., k0, dilatancy) and MPM_LAW_LIMITED(..., k0, dilatancy, shear_strength); functions may be NULL.
 */
@@ -164,7 +164,7 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 #endif
 
 /*
-  MPM_PHYSICS(name, .summary = ..., .fields = ..., ...) - what a physics says of itself besides its kernel, as members of
+  MPM_PHYSICS(name, .summary = ..., .fields = ..., ...) - properties of a physics besides its kernel, as members of
   MpmPhysics; once, in the first instance. MPM_ROWS() counts the rows of the file's static tables.
 */
 #if MPM_DIM == 2 && MPM_DIRECTIONS == 0

@@ -8,7 +8,7 @@
 
   Any other isotropic function is given by its principal values as functions of the argument's: SymIsotropic(), below.
 
-  Functions that both dimensions use stand here, the rest in isotropic_plane.h and isotropic_solid.h.
+  Functions that both dimensions use stand here, the others in isotropic_plane.h and isotropic_solid.h.
 */
 #include <float.h>
 
@@ -103,9 +103,9 @@ MPM_FN int SymPrincipalCreate(const Sym *A, SymPrincipal *principal)
 /* ---- any isotropic function ---- */
 
 /*
-  (y_a - y_b)/(w_a - w_b) of pair k. Where the principal values w nearly coincide, the difference is lost in rounding and
-  its limit stands in, dy_a/dw_a - dy_a/dw_b, as the mean of both ends; and wherever else the difference cannot tell it
-  from that.
+  (y_a - y_b)/(w_a - w_b) of pair k. Where the principal values w nearly coincide, the difference is lost in rounding,
+  and its limit replaces it, dy_a/dw_a - dy_a/dw_b, as the mean of both ends; so it does wherever else the difference
+  agrees to rounding.
 */
 MPM_FN double IsotropicDivided(const SymPrincipal *principal, const Dual y[3], int k)
 {
@@ -137,9 +137,10 @@ MPM_FN Scalar SymInvariant(const Sym *A, const SymPrincipal *principal, Dual f)
   SymIsotropic - the isotropic function of A with principal values y, by principal values w of A in the order of
   SymPrincipalCreate()
 
-  y[a] carries its derivatives by w[0], w[1], w[2] in directions 0, 1, 2: w[a] = DualSeed(principal.value[a], a) and Dual
-  arithmetic give them. They need not be symmetric. That function of w must not favour an axis: exchanging two w
-  exchanges the two y. It is then exact to rounding for any principal values, equal and nearly equal ones included.
+  y[a] carries its derivatives by w[0], w[1], w[2] in directions 0, 1, 2: w[a] = DualSeed(principal.value[a], a) and
+  Dual arithmetic give them. These derivatives need not be symmetric. The function y of w must not favour an axis:
+  exchanging two w exchanges the two y. The result is then exact to rounding for any principal values, equal and nearly
+  equal ones included.
 
   By the theorem of Daleckii and Krein (isotropic_solid.h) the derivative in a direction H is
 

@@ -101,7 +101,8 @@ MPM_FN int SymSqrt(const Sym *A, Sym *result)
   return 0;
 }
 
-/* What principal values and axes follow from: half the in-plane trace, the in-plane deviator (d, xy), its norm r, and zz */
+/* Invariants behind principal values and axes: half the in-plane trace, the in-plane deviator (d, xy), its norm r, and
+   zz */
 typedef struct {
   double m, d, xy, r, zz;
 } SymSplit;
@@ -168,7 +169,7 @@ MPM_FN int TensorStretchDiagonal(const double *F, double *diagonal)
   return !(root > 0. && scale <= DBL_MAX);
 }
 
-/* The same: there are no principal axes in it. */
+/* TensorStretchDiagonal() again: it needs no principal axes. */
 MPM_FN int TensorStretchDiagonalQuick(const double *F, double *diagonal)
 {
   return TensorStretchDiagonal(F, diagonal);

@@ -13,7 +13,7 @@
   with divided differences written so that they do not cancel:
     ln   2/(w_a + w_b) g(t^2),  t = (w_a - w_b)/(w_a + w_b);    exp  e^{(w_a + w_b)/2} sinh(d)/d,  d = (w_a - w_b)/2;
     sqrt 1/(sqrt w_a + sqrt w_b).
-  It is applied as one 6 x 6 matrix to all directions.
+  The sum is applied as one 6 x 6 matrix to all directions.
 */
 
 /* ---- nearly isotropic tensors: series ---- */
@@ -285,7 +285,7 @@ MPM_FN void IsotropicAssemble(const Sym *A, const IsotropicFrame *frame, const d
   *result = IsotropicApply(values, M, A);
 }
 
-/* The same where A is diagonal: the principal axes are the coordinate axes. */
+/* IsotropicAssemble() where A is diagonal: the principal axes are the coordinate axes. */
 MPM_FN void IsotropicAssembleDiagonal(const Sym *A, const double f[3], const double gamma[6], Sym *result)
 {
   Sym c;
@@ -374,8 +374,9 @@ MPM_FN int SymSqrt(const Sym *A, Sym *result)
   return 0;
 }
 
-/* What principal values and axes of a Sym follow from: its mean, the norm of its deviator, the deviator over that, and a third
-   of Lode's angle. Principal values are mean + sqrt(2/3) norm cos(angle), .. cos(angle - 2 pi/3), .. cos(angle + 2 pi/3). */
+/* Invariants behind principal values and axes of a Sym: its mean, the norm of its deviator, the deviator over that, and
+   a third of Lode's angle. Principal values are mean + sqrt(2/3) norm cos(angle), .. cos(angle - 2 pi/3), .. cos(angle
+   + 2 pi/3). */
 typedef struct {
   double mean, norm, angle, X[6];
 } SymSplit;
@@ -397,8 +398,8 @@ MPM_FN SymSplit SymSplitCreate(const Sym *A)
 }
 
 /*
-  Principal values, largest first, without axes. Where two of them coincide they are off by up to 1e-7 |dev A|: good for a
-  test with a margin.
+  Principal values, largest first, without axes. Where two of them coincide they are off by up to 1e-7 |dev A|: good for
+  a test with a margin.
 */
 MPM_FN void SymSplitValues(const SymSplit *split, double w[3])
 {
@@ -523,7 +524,7 @@ MPM_FN int TensorStretchDiagonal(const double *F, double *diagonal)
   return 0;
 }
 
-/* The same to rounding, by a series where principal stretches are close to each other: what has no time for principal axes. */
+/* TensorStretchDiagonal() to rounding, by a series where principal stretches are close: for cheap steps. */
 MPM_FN int TensorStretchDiagonalQuick(const double *F, double *diagonal)
 {
   const double a[20] = {0., /* sqrt(1 + x) = 1 + sum_k a[k] x^k */

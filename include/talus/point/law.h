@@ -34,16 +34,16 @@
 #endif
 
 /*
-  What a constitutive law is told about one point.
+  Data of one point for a constitutive law.
 
   parameter in the order of the law's parameter table; a word's is its index
   state_n   history at the step's start, in the order of the law's state table
-  state     where history at the step's end goes, or NULL when the caller does not want it (Jacobians): a law
-            must not write, nor spend time on, what nobody asked for
+  state     destination of history at the step's end, or NULL when the caller does not need it (Jacobians): a law
+            must not write it, nor spend time on it, then
   F_n       deformation gradient at the step's start, row-major, MPM_DIM x MPM_DIM (its zz is 1 in plane strain)
   dt        the step's time, s
-  table     what tables and data hold, by parameter; read through TableCount(), TableEntry(), TableSegmentAt()
-  table_direction  their derivatives, where anybody wants them
+  table     contents of tables and data, by parameter; read through TableCount(), TableEntry(), TableSegmentAt()
+  table_direction  their derivatives, or NULL
 */
 typedef struct {
   const Real        *parameter;

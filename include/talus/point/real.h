@@ -1,19 +1,19 @@
 #pragma once
 /*
-  Real: the number type of what a law is given besides the step's increment: parameters, history, deformation gradient.
+  Real: the number type of a law's arguments besides the step's increment: parameters, history, deformation gradient.
   Included by dual.h.
 
   A double, so that it costs nothing. In the instances with MPM_SENSITIVITY, which differentiate by these, a complex
   number whose imaginary part is the derivative in the one direction of that instance, times REAL_STEP: the complex step
   (Squire and Trapp 1998, doi:10.1137/S003614459631241X), so small that its square vanishes against any value and the
-  derivative is exact to rounding. That keeps + - * / in laws; assigning a Real to a double, which would lose the
-  derivative, is a warning, and comparing two Reals an error. In C++ it may be a class.
+  derivative is exact to rounding. Thus + - * / stay in laws; assigning a Real to a double, which would lose the
+  derivative, is a warning, and comparing two Reals an error. A class may serve in C++.
 */
 #include <math.h>
 
 #if defined(MPM_SENSITIVITY)
 #include <complex.h>
-#undef I /* that is an identity here */
+#undef I /* an identity here */
 
 typedef double _Complex Real;
 

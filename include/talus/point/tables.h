@@ -8,7 +8,7 @@
 typedef void (*MpmFunction)(void);
 
 /*
-  What a parameter of a law is.
+  Kind of a law's parameter.
 
   MPM_NUMBER          a number, in the parameter's unit and range
   MPM_STRENGTH        a number that bounds the stress, the slope of such a bound, or how it grows or falls: a stage that
@@ -24,8 +24,8 @@ typedef enum { MPM_NUMBER, MPM_STRENGTH, MPM_STRENGTH_ANGLE, MPM_WORD, MPM_TABLE
 
 /*
   One parameter of a law: an option -mpm_material_<name>_<parameter>. A parameter without a default is required; without
-  either, a table or data has no rows. The default may be the value of another parameter, `same_as`, that stands before it
-  in the table.
+  either, a table or data has no rows. The default may be the value of another parameter, `same_as`, that stands before
+  it in the table.
 */
 typedef struct {
   MpmParameterKind kind;
@@ -42,8 +42,8 @@ typedef struct {
 } MpmParameter;
 
 /*
-  What a table or data parameter holds: `count` rows of x and y one after the other, or `count` numbers. A law has one a
-  parameter, in the order of its parameter table, empty where the parameter is a number or a word.
+  Contents of a table or data parameter: `count` rows of x and y one after the other, or `count` numbers. A law has one
+  a parameter, in the order of its parameter table, empty where the parameter is a number or a word.
 */
 typedef struct {
   long          count;
@@ -71,9 +71,9 @@ typedef struct {
   MPM_LAW_PLASTIC       the law flows: its volume then follows from its shear, and low-order shapes lock without F-bar
   MPM_LAW_LAGGED        strength is that of the step's start: a point may go on flowing though nothing moves
   MPM_LAW_VISCOUS       stress depends on how fast the step deforms; the viscous part is gone once nothing moves
-  MPM_LAW_FIXED_MODULI  stiffness and shear modulus are those at rest at every state: nobody asks for them again
-  MPM_LAW_VOLUME        of F_n the law knows the determinant only, its shape is in the history: a point that has flowed far
-                        may be given another F with the same determinant
+  MPM_LAW_FIXED_MODULI  stiffness and shear modulus are those at rest at every state: one evaluation suffices
+  MPM_LAW_VOLUME        of F_n the law uses the determinant only, its shape is in the history: a point that has flowed
+                        far may get another F of equal determinant
 */
 typedef enum {
   MPM_LAW_SYMMETRIC    = 1,
@@ -87,8 +87,8 @@ typedef enum {
 } MpmLawTrait;
 
 /*
-  Why parameters contradict each other: the one that is refused, by its place in the parameter table, with the range that
-  the others leave it. A negative place: no one in particular.
+  Contradiction of parameters: the one that is refused, by its place in the parameter table, with the range that
+  the others leave it. A negative place: no particular one.
 */
 typedef struct {
   int         parameter;
@@ -98,44 +98,43 @@ typedef struct {
 } MpmLawFault;
 
 /*
-  How much a law dilates when it is sheared in plane strain from a state: the volume strain over the shear strain of plastic
-  flow, in logarithmic strains, shear being the difference of the two principal values in the plane. 0 where the state lies
-  well inside the yield surface, and continuous in the state up to it. `elastic` becomes the elastic left Cauchy-Green tensor in
-  the plane, xx, yy, xy.
+  Dilation of a law when it is sheared in plane strain from a state: the volume strain over the shear strain of plastic
+  flow, in logarithmic strains, shear being the difference of the two principal values in the plane. 0 where the state
+  lies well inside the yield surface, and continuous in the state up to it. `elastic` becomes the elastic left
+  Cauchy-Green tensor in the plane, xx, yy, xy.
 */
 typedef double (*MpmDilatancy)(const double *parameter, const MpmLawTable *table, const double *state,
                                double elastic[3]);
 
 /*
-  A constitutive law as the registry sees it; `law` is of one compiled form.
+  A constitutive law as the registry sees it; `law` is of one compiled form. Functions may be NULL, but for `stiffness`.
 
-  check      NULL, or 0 where parameters contradict each other, and how they do
-  stiffness  constrained modulus at a state, Pa: the stiffest that the Kirchhoff stress is against a uniaxial strain
-             from there, elastic unloading included, or a bound on it; what scales penalties, tolerances and time steps.
-             `state` NULL: as the state table has it; `F` NULL: not deformed; either alone is possible. With the largest
-             principal compression of the Kirchhoff stress on top it bounds J times the acoustic tensor's principal values, and
-             over the density of the initial volume the square of the wave speed, by lengths as they are at that state
-  viscosity  NULL: none, or the longitudinal viscosity, Pa s: (4/3) mu of a fluid. An explicit step of a viscous stress alone
+  check      0 where parameters contradict each other, with the contradiction in `fault`
+  stiffness  constrained modulus at a state, Pa: the largest slope of the Kirchhoff stress over a uniaxial strain from
+             there, elastic unloading included, or a bound on it; scale of penalties, tolerances and time steps. `state`
+             NULL: as the state table has it; `F` NULL: not deformed; either alone is possible. Plus the largest
+             principal compression of the Kirchhoff stress it bounds J times the acoustic tensor's principal values, and
+             over the density of the initial volume the square of the wave speed, by present lengths at that state
+  viscosity  longitudinal viscosity, Pa s: (4/3) mu of a fluid; NULL: none. An explicit step of a viscous stress alone
              is stable up to density times length^2/(2 viscosity)
-  shear_modulus  shear modulus of the elastic part at a state, Pa, > 0: the slope of a Kirchhoff shear stress over its shear
-             strain in unloading from there, the mean over all planes where they differ; `state` and `F` as for
-             `stiffness`, which bounds it. It scales the stabilization of a pressure field; NULL: a physics with one
-             refuses the law
-  symmetric  NULL, or whether the law derives from a potential with these parameters, such as dilation = friction: it
-             then has MPM_LAW_SYMMETRIC in that material. NULL: as `traits` has it
-  history    NULL, or history from a wanted stress, where the law knows it better than a Newton iteration from rest:
-             `state` (on entry at the state before, with values that the scene gives, such as a preconsolidation; on exit
-             changed as far as the stress asks for it) with which dF = I, F_n = I gives the Kirchhoff stress, Pa, in the
-             components of this instance's dimension. A stress outside the yield surface is the elastic one: the law's
-             return moves it. Non-zero where there is no such state.
-  k0         NULL, or the ratio of horizontal to vertical stress in ground at rest where the vertical stress is `weight`, Pa,
-             positive in compression, by the law's friction and by what it has borne before: (1 - sin phi) OCR^sin phi
-             (Jaky; Mayne and Kulhawy 1982). `state` holds the values that the scene gives
-  dilatancy  NULL, or the law's MpmDilatancy, with which F-bar leaves to each point the dilation of its own shear
-  shear_strength  NULL, or the largest shear stress, Pa, that the material bears at a state, where no pressure changes it: a
-             surface that sticks to the material passes on no more
-  energy     NULL, or the elastic energy stored per initial volume, J/m3, at a Kirchhoff stress, Pa, and a deformation gradient:
-             of laws whose stress is a derivative of it in elastic steps. NULL: that of linear elasticity with the bulk and
+  shear_modulus  elastic shear modulus at a state, Pa, > 0: the slope of a Kirchhoff shear stress over its shear strain
+             in unloading from there, the mean over all planes where they differ; `state` and `F` as for `stiffness`,
+             which bounds it. Scale of the stabilization of a pressure field; NULL: a physics with one refuses the law
+  symmetric  whether the law derives from a potential with these parameters, such as dilation = friction: it then has
+             MPM_LAW_SYMMETRIC in that material. NULL: as `traits` has it
+  history    history with a given stress, where the law knows it better than a Newton iteration from rest. `state` is on
+             entry the state before, with values from the scene, such as a preconsolidation; on exit it is changed as
+             far as the stress requires, so that dF = I, F_n = I gives the Kirchhoff stress, Pa, in the components of
+             this instance's dimension. A stress outside the yield surface is the elastic one: the law's return moves
+             it. Non-zero where there is no such state
+  k0         ratio of horizontal to vertical stress in ground at rest where the vertical stress is `weight`, Pa,
+             positive in compression, by the law's friction and its earlier loads: (1 - sin phi) OCR^sin phi (Jaky;
+             Mayne and Kulhawy 1982). `state` has the values from the scene
+  dilatancy  the law's MpmDilatancy, with which F-bar leaves to each point the dilation of its own shear
+  shear_strength  largest shear stress, Pa, that the material carries at a state, where no pressure changes it: bound of
+             the traction of a surface that sticks to the material
+  energy     elastic energy stored per initial volume, J/m3, at a Kirchhoff stress, Pa, and a deformation gradient, of
+             laws whose stress is a derivative of it in elastic steps. NULL: that of linear elasticity with the bulk and
              shear modulus at the state, which is Hencky's and Hooke's
 */
 typedef struct {
@@ -178,7 +177,7 @@ typedef struct {
   double             dt;      /* s */
 } MpmLawInput;
 
-/* What a law answers, or the derivative of it. `state` may be NULL: not wanted. */
+/* Result of a law, or the derivative of it. `state` may be NULL: not needed. */
 typedef struct {
   double *tau;   /* Kirchhoff stress, Pa: xx, yy, zz, xy (, yz, xz) */
   double *state; /* history at the step's end */
@@ -212,8 +211,8 @@ typedef struct {
 } MpmKernelStage;
 
 /*
-  What a physics kernel is told about one point. The last four are where the step's end goes, should it turn out to be
-  it; NULL when nobody asks: in Jacobians, and in residuals with one in the same pass.
+  Data of one point for a physics kernel. The last four are destinations of the step's end; NULL in Jacobians, and in
+  residuals with one in the same pass.
 */
 typedef struct {
   const double *parameter;         /* of the point's material */
@@ -246,12 +245,12 @@ typedef struct {
 
   residual    flux[inputs]
   direction   flux and dflux = (d flux / d input) dinput
-  tangent     flux and tangent[k*inputs + l] = d flux_k / d input_l; with a mean d flux_k / d input_l of the others, then d
-              flux_k / d mean, then d flux_mean / d input_k, then d flux_mean / d mean
+  tangent     flux and tangent[k*inputs + l] = d flux_k / d input_l; with a mean d flux_k / d input_l of the others,
+              then d flux_k / d mean, then d flux_mean / d input_k, then d flux_mean / d mean
   mean        NULL, or m, of whose mean over the points of the cell the last input is the value, and its derivatives by
               the other inputs. Where the residual derives from an energy, so must the flux of the mean, and the engine
-              adds what the points' own m do to it to the other fluxes.
-  mean_tangent  the same, and the second derivatives too: ddm[k*(inputs - 1) + l], which `mean` leaves alone
+              adds the contribution of the points' own m to the other fluxes.
+  mean_tangent  as `mean`, and the second derivatives too: ddm[k*(inputs - 1) + l]
 */
 typedef struct {
   int inputs;
@@ -263,12 +262,12 @@ typedef struct {
 } MpmKernelSet;
 
 /*
-  What a field's values are measured in: the size of a cell, a stiffness of the material, or one. Equations of prescribed
+  Unit of a field's values: the size of a cell, a stiffness of the material, or one. Equations of prescribed
   unknowns are scaled so that they stand beside the others: K h^dim / scale^2.
 */
 typedef enum { MPM_SCALE_LENGTH, MPM_SCALE_STRESS, MPM_SCALE_ONE } MpmScale;
 
-/* What multigrid is told of a field's modes of little energy. */
+/* A field's modes of little energy, for multigrid. */
 typedef enum { MPM_NEAR_NULL_NONE, MPM_NEAR_NULL_RIGID, MPM_NEAR_NULL_CONSTANT } MpmNearNull;
 
 /* At most so many unknowns a node has (displacement, pressure, damage, ...), inputs a kernel, and shapes a physics. */
@@ -277,16 +276,17 @@ typedef enum { MPM_NEAR_NULL_NONE, MPM_NEAR_NULL_RIGID, MPM_NEAR_NULL_CONSTANT }
 #define MPM_MAX_SHAPES 3
 
 /*
-  One field of a physics: its unknowns at the nodes and what the kernel sees of it at a point.
+  One field of a physics: its unknowns at the nodes and the kernel's inputs from it at a point.
 
   An increment field (the displacement) restarts at zero each step. Any other field is solved for as a total. With
-  `rate` the engine keeps the field's value and gradient at the points, hands the value to the kernel as value_n, and
+  `rate` the engine keeps the field's value and gradient at the points, passes the value to the kernel as value_n, and
   starts the step from their projection to the nodes.
 
   The deviation is the value less its mean over the cell: interpolated with the weights less their means over the cell,
-  where a point's domain lies in several cells less the domain's part in each times that cell's mean. It needs `rate`.
+  where a point's domain lies in several cells less the domain's share in each times that cell's mean. A deviation needs
+  `rate`.
 
-  Fields have the scene's shape unless they ask for B-splines of another degree, or for a coarser lattice of nodes; the
+  Fields have the scene's shape unless they specify B-splines of another degree, or a coarser lattice of nodes; the
   displacement always has the scene's. Where the scene's shape averages over the points' domains, so do degrees 1 and 2.
 */
 typedef struct {
@@ -294,31 +294,31 @@ typedef struct {
   int         components; /* 0: as many as the space has dimensions */
   int         degree;     /* of its shape, 1 to 3; 0: the scene's */
   int         spacing;    /* its nodes stand so many cells apart; 0: one */
-  int         value;      /* is the value an input of the kernel? */
-  int         gradient;   /* is the gradient? */
-  int         deviation;  /* is the value less its mean over the cell? */
+  int         value;      /* the value is an input of the kernel */
+  int         gradient;   /* the gradient is */
+  int         deviation;  /* the value less its mean over the cell is */
   int         increment;
   int         rate;
-  int negative;       /* are its equations taken times -1? Reactions are told with the sign that they have otherwise */
-  const char *symbol; /* in lists of components, for a field of one; NULL: by its name alone */
-  const char *unit;   /* of the value; NULL: none is told */
+  int         negative; /* its equations are taken times -1; reactions are reported without this factor */
+  const char *symbol;   /* in lists of components, for a field of one; NULL: by its name alone */
+  const char *unit;     /* of the value; NULL: none is told */
   MpmNearNull near_null;
   MpmScale    scale;
 } MpmField;
 
 /*
   MPM_PHYSICS_SYMMETRIC  with laws that derive from a potential, the Jacobian is symmetric
-  MPM_PHYSICS_INTERNAL   takes another physics' place by itself, and is not offered to scenes
-  MPM_PHYSICS_SADDLE     the Jacobian is that of a saddle point, with as many negative eigenvalues as another field than the displacement
-                         has unknowns: nothing for solvers that want it definite
-  MPM_PHYSICS_STAGES     what a step stores and what flows in it stand in its equations as amounts, the second times dt, and
-                         the kernel takes `stage`: the scheme `second` is possible. With dt = 0 nothing flows
-  MPM_PHYSICS_BIOT       two fields of the scene's shape, the displacement by its gradient and one unknown p by value, gradient and
-                         deviation. The flux of the displacement's gradient depends on neither grad p nor the deviation, that
-                         of p on neither, that of grad p not on p nor the deviation, that of the deviation on itself alone:
-                         what the tangent has there is not looked at
-  MPM_PHYSICS_STRESS     one field, the displacement, whose flux is that of the stress which the points keep: an explicit step takes forces
-                         from that stress and does not call the kernel for them
+  MPM_PHYSICS_INTERNAL   takes another physics' place where needed, and is not offered to scenes
+  MPM_PHYSICS_SADDLE     the Jacobian is that of a saddle point, with as many negative eigenvalues as another field than
+                         the displacement has unknowns: not for solvers that need a definite one
+  MPM_PHYSICS_STAGES     storage and flow of a step stand in its equations as amounts, the second times dt, and the
+                         kernel takes `stage`: the scheme `second` is possible. With dt = 0 nothing flows
+  MPM_PHYSICS_BIOT       two fields of the scene's shape, the displacement by its gradient and one unknown p by value,
+                         gradient and deviation. The flux of the displacement's gradient depends on neither grad p nor
+                         the deviation, that of p on neither, that of grad p not on p nor the deviation, that of the
+                         deviation on itself alone: other entries of the tangent are ignored
+  MPM_PHYSICS_STRESS     one field, the displacement, whose flux is that of the stress which the points keep: an
+                         explicit step takes forces from that stress and does not call the kernel for them
 */
 typedef enum {
   MPM_PHYSICS_SYMMETRIC = 1,
@@ -347,17 +347,17 @@ typedef struct {
 /*
   A physics: its fields, in the order of their unknowns at a node, and its kernel. Inputs of the kernel, in this order:
   for every field, for every component, its value (if used), then its derivatives along the axes (if used), then its
-  deviation (if used).
+  deviation (if used). Functions may be NULL.
 
-  prepare  NULL, or what the physics makes of the values that a material's block has, once they are read, with the
-           scene's gravity, or that of the Earth, m/s2; returns NULL, or what is wrong with which of them: "porosity
-           is missing: must be > 0 and < 1"
-  initial  NULL, or the physics' states of a point at the start, beside the table of states
-  ghost  NULL, or the factor of the ghost penalty on the one component beside the displacement, in the sign of its equation, where
+  prepare  derives further values from those that a material's block has, once they are read, with the scene's gravity,
+           or that of the Earth, m/s2; returns NULL, or a fault of one of them: "porosity is missing: must be > 0 and <
+           1"
+  initial  the physics' states of a point at the start, beside the table of states
+  ghost  factor of the ghost penalty on the one component beside the displacement, in the sign of its equation, where
          Young's modulus stands for the displacement: of a material, for a step dt in cells of h
-  symmetric  NULL, or whether MPM_PHYSICS_SYMMETRIC holds with these values of a material
+  symmetric  whether MPM_PHYSICS_SYMMETRIC holds with these values of a material
 
-  The first field must be the displacement increment with as many components as dimensions: it moves the points.
+  The first field must be the displacement increment with as many components as dimensions, which moves the points.
 */
 typedef struct {
   const char         *name;

@@ -161,7 +161,7 @@ MPM_FN Scalar TensorDet(const Tensor *A)
   return TensorCofactorDet(A, &cofactor);
 }
 
-/* The same to rounding, with the derivative by A from plain cofactors: cheaper the more directions there are */
+/* The determinant to rounding, with the derivative by A from plain cofactors: cheaper the more directions there are */
 MPM_FN Scalar TensorDetByCofactors(const Tensor *A)
 {
 #if defined(MPM_SENSITIVITY)
@@ -186,7 +186,7 @@ MPM_FN double TensorDetValue(const Tensor *A)
   return MpmDeterminant(MPM_DIM, values);
 }
 
-/* The same of a matrix of Reals, row-major */
+/* The determinant of a matrix of Reals, row-major */
 MPM_FN double ArrayDetValue(const Real *A)
 {
 #if defined(MPM_SENSITIVITY)
@@ -326,7 +326,7 @@ MPM_FN double SymNormValue(const Sym *A)
   return sqrt(sum);
 }
 
-/* The same of the deviator of A */
+/* The norm of the deviator of A */
 MPM_FN double SymDevNormValue(const Sym *A)
 {
   const double mean = (ScalarValue(A->a[0]) + ScalarValue(A->a[1]) + ScalarValue(A->a[2])) / 3.;
