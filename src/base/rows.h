@@ -40,6 +40,6 @@ typedef struct {
 PetscErrorCode MpmRowsAdd(MpmRows *rows, const char head[], PetscInt count, const MpmRow row[]);
 PetscErrorCode MpmRowsDestroy(MpmRows **rows);
 PetscErrorCode MpmRowsSave(const MpmRows *rows, MpmRowValues *values);
-/* Loads the saved values whose names begin with `begin`; of MPM_ROW_STATE alone or of both uses. Rows of MpmRowsSave(). */
+/* Loads the saved values whose names begin so; of MPM_ROW_STATE alone or of both uses. Rows of MpmRowsSave(). */
 PetscErrorCode MpmRowsLoad(const MpmRows *rows, const MpmRowValues *values, const char begin[], PetscBool state);
 PetscErrorCode MpmRowValuesDestroy(MpmRowValues *values);
