@@ -31,6 +31,26 @@ PetscErrorCode MpmTermsDestroy(MpmTerms **terms)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What terms answer of their own ranks, for all of them. */
+static PetscErrorCode FindNear(const MpmTerms *terms, const MpmSpace *space)
+{
+  PetscBool **near, *any;
+  PetscInt    count = 0;
+
+  PetscFunctionBeginUser;
+  if (!space->sf) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc2(terms->count, &near, terms->count, &any));
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->near) near[count++] = terms->term[k]->near(terms->ctx[k]);
+  for (PetscInt k = 0; k < count; k++) any[k] = *near[k];
+  if (count)
+    PetscCall(MPIU_Allreduce(MPI_IN_PLACE, any, (PetscMPIInt)count, MPM_MPI_BOOL, MPI_LOR,
+                             PetscObjectComm((PetscObject)space->sf)));
+  for (PetscInt k = 0; k < count; k++) *near[k] = any[k];
+  PetscCall(PetscFree2(near, any));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const MpmRules *rules,
                                   const MpmPoints *points, MpmOutcome *outcome)
 {
@@ -41,6 +61,7 @@ PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const 
     if (terms->term[k]->boxes) PetscCall(terms->term[k]->boxes(terms->ctx[k], rules, points, space));
   PetscCall(MpmExtensionBoxes(rules, points, space));
   PetscCall(MpmSpaceEnd(space, rules));
+  PetscCall(FindNear(terms, space));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -52,12 +73,18 @@ PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space)
+PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space, PetscBool *linked)
 {
+  PetscBool any = PETSC_FALSE;
+
   PetscFunctionBeginUser;
   space->extra.link_count = space->parts.couple_count = 0;
-  for (PetscInt k = 0; k < terms->count; k++)
-    if (terms->term[k]->link) PetscCall(terms->term[k]->link(terms->ctx[k], space));
+  for (PetscInt k = 0; k < terms->count; k++) {
+    if (!terms->term[k]->link) continue;
+    any = PETSC_TRUE;
+    PetscCall(terms->term[k]->link(terms->ctx[k], space));
+  }
+  if (linked) *linked = any;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -74,6 +101,57 @@ PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const Pe
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < terms->count; k++)
     if (terms->term[k]->commit) PetscCall(terms->term[k]->commit(terms->ctx[k], sum, u, particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsPutBack(const MpmTerms *terms, PetscInt points, MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->put_back) PetscCall(terms->term[k]->put_back(terms->ctx[k], points, particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+unsigned MpmTermsTraits(const MpmTerms *terms)
+{
+  unsigned traits = 0;
+
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->traits) traits |= terms->term[k]->traits(terms->ctx[k]);
+  return traits;
+}
+
+PetscBool MpmTermsNear(const MpmTerms *terms, unsigned traits)
+{
+  for (PetscInt k = 0; k < terms->count; k++) {
+    const MpmTerm *term = terms->term[k];
+
+    if (!term->near || !*term->near(terms->ctx[k])) continue;
+    if (!traits || (term->traits && (term->traits(terms->ctx[k]) & traits) == traits)) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+PetscErrorCode MpmTermsRefuse(const MpmTerms *terms, MpmOutcome *outcome)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count && !outcome->code; k++)
+    if (terms->term[k]->failure.refuses) PetscCall(terms->term[k]->failure.refuses(terms->ctx[k], outcome));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmTermsStray(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[])
+{
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->failure.stray && terms->term[k]->failure.stray(terms->ctx[k], sum, u)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+PetscErrorCode MpmTermsUnheld(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmOutcome *outcome)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->failure.unheld) PetscCall(terms->term[k]->failure.unheld(terms->ctx[k], sum, u, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,8 +2,35 @@
 /*
   What adds to the residual and to its Jacobian: the table of terms, and the sums over it.
 */
+#include "assembly/term_motion.h"
+#include "assembly/term_newton.h"
 #include "base/base.h"
 #include "base/types.h"
+
+/* Properties of a term in a scene, the same in all steps and on all ranks. */
+typedef enum {
+  MPM_TERM_CONTACT   = 1 << 0, /* forces of surfaces that meet */
+  MPM_TERM_BETWEEN   = 1 << 1, /* between bodies of the grid, which both give way */
+  MPM_TERM_BILATERAL = 1 << 2, /* some of these forces act wherever the surfaces are */
+  MPM_TERM_RELEASES  = 1 << 3, /* some of what they hold may be let go */
+  MPM_TERM_RUBS      = 1 << 4, /* tractions along the surfaces */
+  MPM_TERM_SLIDES    = 1 << 5, /* bounded ones */
+  MPM_TERM_AUGMENTED = 1 << 6, /* multipliers, corrected between Newton's solutions */
+  MPM_TERM_UNKNOWNS  = 1 << 7  /* unknowns of the term's own */
+} MpmTermTrait;
+
+/*
+  Optional operations of a term with unknowns of its own, each collective.
+
+  refuses  after `prepare`: fails where there is no state to start from
+  stray    is the solution u beyond what was searched for it? The same on all ranks
+  unheld   after Newton's method failed at u: another reason where something of the term goes on moving
+*/
+typedef struct {
+  PetscErrorCode (*refuses)(const void *ctx, MpmOutcome *outcome);
+  PetscBool (*stray)(const void *ctx, const MpmSum *sum, const PetscReal u[]);
+  PetscErrorCode (*unheld)(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmOutcome *outcome);
+} MpmTermFailure;
 
 /* A step, as terms prepare for it; the particles' arrays are lent to the sum. */
 struct MpmTermStep {
@@ -11,13 +38,6 @@ struct MpmTermStep {
   const MpmSum   *sum;
   MpmParticles   *particles;
 };
-
-/* Entries of the account of energy. */
-typedef enum {
-  MPM_ACCOUNT_NONE,      /* internal or kinetic energy, or work that contact reports by itself */
-  MPM_ACCOUNT_EXTERNAL,  /* work from outside, with opposite sign */
-  MPM_ACCOUNT_DISSIPATED /* heat */
-} MpmAccount;
 
 /*
   A term of the residual, with its derivatives. Arrays hold values at the local nodes; what is ghosts' goes to their owners
@@ -33,11 +53,16 @@ typedef enum {
   link      which boxes are coupled with the term's extra nodes, or with one another, once it is prepared
   stage     what the term keeps of the first of two stages (sdirk.c), which counts `theta` times in what has flowed
   commit    what the term keeps of the converged step
+  put_back  points that return to where the last step found them, with the stress at its end
+  traits    MpmTermTrait
+  near      where the term keeps whether its contact is near enough to act in this step: its own rank's answer after
+            `boxes`, that of all ranks later; NULL: the scene has none
 
   points     the term is the physics at the points: first in the list, with forms of the Jacobian of its own
   quadratic  true where the term is linear in u with a symmetric matrix, with an energy of 1/2 u . (r(u) + r(0)) in a step; NULL: the
              term has no energy. Energy of the points: MpmPotentialExists()
   account    entry of the work that the term takes from the material
+  work       adds what else the forces at `at` do in the displacement u
 */
 struct MpmTerm {
   const char *name;
@@ -57,6 +82,14 @@ struct MpmTerm {
   PetscErrorCode (*stage)(void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal theta);
   PetscErrorCode (*commit)(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
   PetscBool (*quadratic)(const void *ctx);
+  PetscErrorCode (*put_back)(const void *ctx, PetscInt points, MpmParticles *particles);
+  unsigned (*traits)(const void *ctx);
+  PetscBool *(*near)(void *ctx);
+  PetscErrorCode (*work)(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
+                         MpmTermWork *work);
+  MpmTermNewton  newton;
+  MpmTermMotion  motion;
+  MpmTermFailure failure;
 };
 
 /* The terms of a problem; the first one is that of the points. */
@@ -73,9 +106,19 @@ PetscErrorCode MpmTermsDestroy(MpmTerms **terms);
 PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const MpmRules *rules,
                                   const MpmPoints *points, MpmOutcome *outcome);
 PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step);
-PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space);
+/* `linked`, unless NULL: does any term link? Then the pattern is that of a prepared step. */
+PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space, PetscBool *linked);
 PetscErrorCode MpmTermsKeepStage(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal theta);
 PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
+PetscErrorCode MpmTermsPutBack(const MpmTerms *terms, PetscInt points, MpmParticles *particles);
+/* Traits of any term. */
+unsigned MpmTermsTraits(const MpmTerms *terms);
+/* Is contact with all of these traits near enough to act in this step, on any rank? */
+PetscBool MpmTermsNear(const MpmTerms *terms, unsigned traits);
+/* These operations of all terms; the first refusal counts. */
+PetscErrorCode MpmTermsRefuse(const MpmTerms *terms, MpmOutcome *outcome);
+PetscBool      MpmTermsStray(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[]);
+PetscErrorCode MpmTermsUnheld(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmOutcome *outcome);
 /* Has term k nothing to add on this rank? */
 PetscBool MpmTermsIdle(const MpmTerms *terms, PetscInt k);
 /* True: `quadratic` of a term that always is. */

@@ -27,144 +27,13 @@
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
 #include "contact/body_contact.h"
+#include "contact/body_patch.h"
 #include "contact/contact_law.h"
-
-#define SLIDING \
-  0.02 /* k'/k of what may slide: both sides give way, and many patches turn from sticking to sliding at once */
-
-#define WATER MPM_MAX_DIM /* place of the water beside the axes: difference of pressures, what passes */
-#define ROWS  (MPM_MAX_DIM + 1)
-
-/* What a patch does at a mean relative displacement w. */
-typedef struct {
-  PetscBool active, refused; /* refused: the barrier has no answer */
-  PetscReal gap, pressure;
-  PetscReal force[MPM_MAX_DIM];                  /* on the first body */
-  PetscReal slip[MPM_MAX_DIM];                   /* what is kept of it */
-  PetscReal stiffness[MPM_MAX_DIM][MPM_MAX_DIM]; /* -d force/dw */
-} Answer;
-
-/* Pressure and its fall with the gap. */
-static void Pressure(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmContactLaw *law,
-                     Answer *answer, PetscReal *rate)
-{
-  if (contacts->pairs->at[patch->pair].barrier) {
-    answer->refused =
-      (PetscBool)!MpmContactBarrier(law, MPM_BARRIER * contacts->cell, answer->gap, &answer->pressure, rate);
-    answer->active = (PetscBool)(answer->pressure > 0.);
-    return;
-  }
-  *rate            = patch->stiffness;
-  answer->active   = (PetscBool)(patch->held || answer->gap <= contacts->touch);
-  answer->pressure = answer->active ? -patch->stiffness * answer->gap : 0.;
-}
-
-/* Adds the traction along the surface, its derivative, and what is kept of the slip. */
-static void Friction(const MpmPairPatch *patch, const MpmContactLaw *law, PetscInt dim, PetscReal rate, Answer *answer)
-{
-  const PetscReal   *n = patch->normal, area = patch->side[0].area;
-  MpmContactFriction friction = {0};
-
-  if (!patch->held) MpmContactSlide(law, dim, answer->pressure, answer->slip, &friction);
-  for (PetscInt a = 0; patch->held && a < dim; a++) {
-    friction.traction[a]    = (law->friction * answer->pressure + law->adhesion) * patch->way[a];
-    friction.by_pressure[a] = law->friction * patch->way[a];
-  }
-  for (PetscInt a = 0; a < dim; a++) {
-    answer->force[a] -= area * friction.traction[a];
-    MpmContactAcross(dim, n, friction.by_slip[a]); /* dt/ds ds/dw, ds/dw = I - n n^T */
-    for (PetscInt c = 0; c < dim; c++)
-      answer->stiffness[a][c] += area * (friction.by_slip[a][c] + friction.by_pressure[a] * rate * n[c]);
-  }
-}
-
-/* By how much a patch gives. */
-static PetscReal Giving(const MpmPairContacts *contacts, const MpmPairPatch *patch)
-{
-  return contacts->pairs->at[patch->pair].stick ? 1. : contacts->give;
-}
-
-static void Evaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch, PetscInt dim, const PetscReal w[],
-                     Answer *answer)
-{
-  const MpmPair      *pair = &contacts->pairs->at[patch->pair];
-  const MpmContactLaw law  = {.stiffness = patch->stiffness,
-                              .along     = (patch->direct ? 1. : SLIDING) / Giving(contacts, patch),
-                              .friction  = pair->friction,
-                              .adhesion  = pair->adhesion,
-                              .strength  = patch->strength,
-                              .stick     = pair->stick,
-                              .parts     = PETSC_TRUE,
-                              .least     = contacts->least};
-  const PetscReal    *n = patch->normal, area = patch->side[0].area;
-  PetscReal           along = 0., rate;
-
-  for (PetscInt a = 0; a < dim; a++) along += n[a] * w[a];
-  *answer = (Answer){.gap = patch->gap - patch->touches - patch->shift - along};
-  Pressure(contacts, patch, &law, answer, &rate);
-  if (!answer->active) return;
-  for (PetscInt a = 0; a < dim; a++) {
-    answer->force[a] = -area * answer->pressure * n[a];
-    for (PetscInt c = 0; c < dim; c++) answer->stiffness[a][c] = area * rate * n[a] * n[c];
-    if (pair->tangential) answer->slip[a] = patch->slip[a] + w[a] - along * n[a];
-  }
-  if (pair->tangential) Friction(patch, &law, dim, rate, answer);
-}
-
-/* ---- sums ---- */
-
-/* The unknown of a row. */
-static PetscInt Component(const MpmPairContacts *contacts, PetscInt row)
-{
-  return row == WATER ? contacts->water : row;
-}
-
-/* Does the row act? */
-static PetscBool Acts(const MpmPairPatch *patch, const MpmSum *sum, PetscInt row)
-{
-  return (PetscBool)(row == WATER ? patch->through > 0. : row < sum->space->dim);
-}
 
 /* Water that passes by the difference of pressures. */
 static PetscReal Conductance(const MpmPairPatch *patch, const MpmSum *sum)
 {
   return sum->dt * patch->side[0].area * patch->through;
-}
-
-/* Adds what turning of a side adds to the mean displacement. */
-static void AddTurning(const MpmPairContacts *contacts, const MpmPairPatch *patch, PetscInt s, const MpmSum *sum,
-                       const PetscReal u[], PetscReal w[])
-{
-  const MpmGroup  *box       = &sum->space->groups[patch->side[s].box];
-  const PetscInt  *nodes     = &sum->space->group_nodes[box->node_offset];
-  const PetscReal *weight    = &contacts->weight[patch->side[s].weight];
-  PetscReal        moment[3] = {0., 0., 0.}, arm[3], way[3] = {0., 0., 0.};
-
-  for (PetscInt i = 0; i < box->node_count; i++) {
-    if (weight[i] == 0.) continue;
-    MpmPairArm(patch, s, sum, i, arm);
-    for (PetscInt a = 0; a < sum->space->dim; a++) way[a] = weight[i] * u[nodes[i] * sum->block + a];
-    for (PetscInt a = 0; a < 3; a++)
-      moment[a] += arm[(a + 1) % 3] * way[(a + 2) % 3] - arm[(a + 2) % 3] * way[(a + 1) % 3];
-  }
-  MpmPairAddTurning(&patch->side[s].lever, moment, s ? -1. : 1., w);
-}
-
-/* sum_i w_i u_i of the first side less that of the second */
-static void Relative(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum, const PetscReal u[],
-                     PetscReal w[])
-{
-  for (PetscInt a = 0; a < ROWS; a++) w[a] = 0.;
-  for (PetscInt s = 0; s < 2; s++) {
-    const MpmGroup  *box    = &sum->space->groups[patch->side[s].box];
-    const PetscInt  *nodes  = &sum->space->group_nodes[box->node_offset];
-    const PetscReal *weight = &contacts->weight[patch->side[s].weight], sign = s ? -1. : 1.;
-
-    for (PetscInt i = 0; i < box->node_count; i++)
-      for (PetscInt a = 0; weight[i] != 0. && a < ROWS; a++)
-        if (Acts(patch, sum, a)) w[a] += sign * weight[i] * u[nodes[i] * sum->block + Component(contacts, a)];
-    if (patch->direct) AddTurning(contacts, patch, s, sum, u, w);
-  }
 }
 
 /* The same in explicit steps, where turning has its part. */
@@ -201,25 +70,26 @@ static void AddForce(const MpmPairContacts *contacts, const MpmPairPatch *patch,
     const PetscReal *weight = &contacts->weight[patch->side[s].weight], sign = s ? -1. : 1.;
 
     for (PetscInt i = 0; i < box->node_count; i++)
-      for (PetscInt a = 0; weight[i] != 0. && a < ROWS; a++)
-        if (Acts(patch, sum, a)) y[nodes[i] * sum->block + Component(contacts, a)] += sign * weight[i] * force[a];
+      for (PetscInt a = 0; weight[i] != 0. && a < MPM_PAIR_ROWS; a++)
+        if (MpmPairActs(patch, sum->space->dim, a))
+          y[nodes[i] * sum->block + MpmPairComponent(contacts, a)] += sign * weight[i] * force[a];
   }
 }
 
 /* The residual of a patch at w, as forces on the first side; the water's equation is that of the mass times -1. */
-static PetscBool PatchResidual(const MpmPairPatch *patch, const MpmSum *sum, const PetscReal w[], const Answer *answer,
-                               PetscReal force[])
+static PetscBool PatchResidual(const MpmPairPatch *patch, const MpmSum *sum, const PetscReal w[],
+                               const MpmPairAnswer *answer, PetscReal force[])
 {
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) force[a] = answer->active ? -answer->force[a] : 0.;
-  force[WATER] = -Conductance(patch, sum) * w[WATER];
+  force[MPM_PAIR_WATER] = -Conductance(patch, sum) * w[MPM_PAIR_WATER];
   return (PetscBool)(answer->active || patch->through > 0.);
 }
 
 /* Its derivative by rows c and d of w. */
-static PetscReal PatchTangent(const MpmPairPatch *patch, const MpmSum *sum, const Answer *answer, PetscInt c,
+static PetscReal PatchTangent(const MpmPairPatch *patch, const MpmSum *sum, const MpmPairAnswer *answer, PetscInt c,
                               PetscInt d)
 {
-  if (c == WATER || d == WATER) return c == d ? -Conductance(patch, sum) : 0.;
+  if (c == MPM_PAIR_WATER || d == MPM_PAIR_WATER) return c == d ? -Conductance(patch, sum) : 0.;
   return answer->active ? answer->stiffness[c][d] : 0.;
 }
 
@@ -231,11 +101,11 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPairPatch *patch = &contacts->patch[k];
-    PetscReal           w[ROWS], force[ROWS];
-    Answer              answer;
+    PetscReal           w[MPM_PAIR_ROWS], force[MPM_PAIR_ROWS];
+    MpmPairAnswer       answer;
 
-    Relative(contacts, patch, sum, u, w);
-    Evaluate(contacts, patch, sum->space->dim, w, &answer);
+    MpmPairRelative(contacts, patch, sum, u, w);
+    MpmPairEvaluate(contacts, patch, sum->space->dim, w, &answer);
     if (answer.refused) (*failed)++;
     if (PatchResidual(patch, sum, w, &answer, force)) AddForce(contacts, patch, sum, force, residual);
   }
@@ -250,16 +120,16 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPairPatch *patch = &contacts->patch[k];
-    PetscReal           w[ROWS], force[ROWS];
-    Answer              answer;
+    PetscReal           w[MPM_PAIR_ROWS], force[MPM_PAIR_ROWS];
+    MpmPairAnswer       answer;
 
-    Relative(contacts, patch, sum, u, w);
-    Evaluate(contacts, patch, sum->space->dim, w, &answer);
+    MpmPairRelative(contacts, patch, sum, u, w);
+    MpmPairEvaluate(contacts, patch, sum->space->dim, w, &answer);
     if (!answer.active && !(patch->through > 0.)) continue;
-    Relative(contacts, patch, sum, du, w);
-    for (PetscInt a = 0; a < ROWS; a++) {
+    MpmPairRelative(contacts, patch, sum, du, w);
+    for (PetscInt a = 0; a < MPM_PAIR_ROWS; a++) {
       force[a] = 0.;
-      for (PetscInt c = 0; c < ROWS; c++) force[a] += PatchTangent(patch, sum, &answer, a, c) * w[c];
+      for (PetscInt c = 0; c < MPM_PAIR_ROWS; c++) force[a] += PatchTangent(patch, sum, &answer, a, c) * w[c];
     }
     AddForce(contacts, patch, sum, force, y);
   }
@@ -279,17 +149,17 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
     const MpmGroup     *box    = &sum->space->groups[patch->side[k % 2].box];
     const PetscInt     *nodes  = &sum->space->group_nodes[box->node_offset];
     const PetscReal    *weight = &contacts->weight[patch->side[k % 2].weight];
-    PetscReal           w[ROWS];
-    Answer              answer;
+    PetscReal           w[MPM_PAIR_ROWS];
+    MpmPairAnswer       answer;
 
-    Relative(contacts, patch, sum, u, w);
-    Evaluate(contacts, patch, sum->space->dim, w, &answer);
+    MpmPairRelative(contacts, patch, sum, u, w);
+    MpmPairEvaluate(contacts, patch, sum->space->dim, w, &answer);
     for (PetscInt i = 0; i < box->node_count; i++) {
-      for (PetscInt cd = 0; weight[i] != 0. && cd < ROWS * ROWS; cd++) {
-        const PetscInt c = cd / ROWS, d = cd % ROWS;
+      for (PetscInt cd = 0; weight[i] != 0. && cd < MPM_PAIR_ROWS * MPM_PAIR_ROWS; cd++) {
+        const PetscInt c = cd / MPM_PAIR_ROWS, d = cd % MPM_PAIR_ROWS;
 
-        if (Acts(patch, sum, c) && Acts(patch, sum, d))
-          blocks[(nodes[i] * bs + Component(contacts, c)) * bs + Component(contacts, d)] +=
+        if (MpmPairActs(patch, sum->space->dim, c) && MpmPairActs(patch, sum->space->dim, d))
+          blocks[(nodes[i] * bs + MpmPairComponent(contacts, c)) * bs + MpmPairComponent(contacts, d)] +=
             weight[i] * weight[i] * PatchTangent(patch, sum, &answer, c, d);
       }
     }
@@ -318,21 +188,21 @@ static PetscInt NodesOf(const MpmPairContacts *contacts, const MpmPairPatch *pat
 }
 
 /* The patch's block of the tangent, [i][c][c'][j]. */
-static void Element(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum, const Answer *answer,
-                    PetscInt n, const PetscReal weight[], PetscReal element[])
+static void Element(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum,
+                    const MpmPairAnswer *answer, PetscInt n, const PetscReal weight[], PetscReal element[])
 {
   const PetscInt bs = sum->block;
 
   for (PetscInt k = 0; k < n * n * bs * bs; k++) element[k] = 0.;
-  for (PetscInt cd = 0; cd < ROWS * ROWS; cd++) {
-    const PetscInt c = cd / ROWS, d = cd % ROWS;
+  for (PetscInt cd = 0; cd < MPM_PAIR_ROWS * MPM_PAIR_ROWS; cd++) {
+    const PetscInt c = cd / MPM_PAIR_ROWS, d = cd % MPM_PAIR_ROWS;
 
-    if (!Acts(patch, sum, c) || !Acts(patch, sum, d)) continue;
+    if (!MpmPairActs(patch, sum->space->dim, c) || !MpmPairActs(patch, sum->space->dim, d)) continue;
     const PetscReal value = PatchTangent(patch, sum, answer, c, d);
 
     for (PetscInt i = 0; i < n; i++)
       for (PetscInt j = 0; j < n; j++)
-        element[((i * bs + Component(contacts, c)) * bs + Component(contacts, d)) * n + j] =
+        element[((i * bs + MpmPairComponent(contacts, c)) * bs + MpmPairComponent(contacts, d)) * n + j] =
           weight[i] * value * weight[j];
   }
 }
@@ -351,11 +221,11 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscCall(PetscMalloc3((most * most * bs * bs), &element, most, &weight, most, &nodes));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPairPatch *patch = &contacts->patch[k];
-    PetscReal           w[ROWS];
-    Answer              answer;
+    PetscReal           w[MPM_PAIR_ROWS];
+    MpmPairAnswer       answer;
 
-    Relative(contacts, patch, sum, u, w);
-    Evaluate(contacts, patch, sum->space->dim, w, &answer);
+    MpmPairRelative(contacts, patch, sum, u, w);
+    MpmPairEvaluate(contacts, patch, sum->space->dim, w, &answer);
     if (!answer.active && !(patch->through > 0.)) continue;
     const PetscInt n = NodesOf(contacts, patch, sum, nodes, weight);
 
@@ -364,121 +234,6 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   }
   PetscCall(PetscFree3(element, weight, nodes));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void MpmPairsAddSquares(const MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *squares)
-{
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    PetscReal w[ROWS];
-    Answer    answer;
-
-    Relative(contacts, &contacts->patch[k], sum, u, w);
-    Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
-    for (PetscInt a = 0; a < sum->space->dim; a++) *squares += PetscSqr(answer.force[a]);
-  }
-}
-
-PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst)
-{
-  PetscReal *shift;
-  PetscBool  any = PETSC_FALSE;
-
-  PetscFunctionBeginUser;
-  *worst = 0.;
-  for (PetscInt p = 0; p < contacts->pairs->count; p++) any = (PetscBool)(any || contacts->pairs->at[p].augmented);
-  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(contacts->patch_count, &shift));
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    const MpmPairPatch *patch = &contacts->patch[k];
-    const MpmPair      *pair  = &contacts->pairs->at[patch->pair];
-    PetscReal           w[ROWS];
-    Answer              answer;
-
-    shift[k] = 0.;
-    if (!pair->augmented) continue;
-    Relative(contacts, patch, sum, u, w);
-    Evaluate(contacts, patch, sum->space->dim, w, &answer);
-    if (answer.active) shift[k] = -answer.gap;
-    if (answer.active || patch->shift > 0.)
-      *worst = PetscMax(*worst, PetscAbsReal(shift[k] - patch->shift) / (pair->penetration * contacts->cell));
-  }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, worst, 1, MPIU_REAL, MPIU_MAX, contacts->comm));
-  for (PetscInt k = 0; *worst > 1. && k < contacts->patch_count; k++) contacts->patch[k].shift = shift[k];
-  PetscCall(PetscFree(shift));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- at the first of Newton's iterates ---- */
-
-#define NEAR 0.1 /* of a cell: what is farther apart has parted */
-
-/* Does any patch of the pair touch at u, on any rank? */
-static PetscErrorCode Touches(const MpmPairContacts *contacts, PetscInt pair, const MpmSum *sum, const PetscReal u[],
-                              PetscBool *touches)
-{
-  PetscFunctionBeginUser;
-  *touches = PETSC_FALSE;
-  for (PetscInt k = 0; k < contacts->patch_count && !*touches; k++) {
-    PetscReal w[ROWS];
-    Answer    answer;
-
-    if (contacts->patch[k].pair != pair) continue;
-    Relative(contacts, &contacts->patch[k], sum, u, w);
-    Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
-    *touches = answer.active;
-  }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, touches, 1, MPM_MPI_BOOL, MPI_LOR, contacts->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmPairsBegin(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[])
-{
-  const PetscInt dim = sum->space->dim;
-
-  PetscFunctionBeginUser;
-  MpmPairsEnd(contacts);
-  contacts->least = MPM_CONTACT_LEAST;
-  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
-    const MpmPair *pair    = &contacts->pairs->at[p];
-    PetscBool      touches = PETSC_TRUE;
-
-    if (pair->friction > 0. && !pair->barrier) PetscCall(Touches(contacts, p, sum, u, &touches));
-    for (PetscInt k = 0; !touches && k < contacts->patch_count; k++) {
-      MpmPairPatch *patch = &contacts->patch[k];
-      PetscReal     size  = 0., w[ROWS];
-      Answer        answer;
-
-      for (PetscInt a = 0; a < dim; a++) size += PetscSqr(patch->slip[a]);
-      if (patch->pair != p || !(size > 0.)) continue;
-      Relative(contacts, patch, sum, u, w);
-      Evaluate(contacts, patch, dim, w, &answer);
-      if (answer.gap > NEAR * contacts->cell) continue;
-      patch->held = contacts->holds = PETSC_TRUE;
-      for (PetscInt a = 0; a < dim; a++) patch->way[a] = patch->slip[a] / PetscSqrtReal(size);
-    }
-  }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->holds, 1, MPM_MPI_BOOL, MPI_LOR, contacts->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void MpmPairsGive(MpmPairContacts *contacts, PetscReal give)
-{
-  for (PetscInt k = 0; k < contacts->patch_count; k++)
-    for (PetscInt a = 0; a < MPM_MAX_DIM && !contacts->pairs->at[contacts->patch[k].pair].stick; a++)
-      contacts->patch[k].slip[a] *= give / contacts->give;
-  contacts->give = give;
-}
-
-void MpmPairsRelease(MpmPairContacts *contacts)
-{
-  contacts->holds = PETSC_FALSE;
-  for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].held = PETSC_FALSE;
-}
-
-void MpmPairsEnd(MpmPairContacts *contacts)
-{
-  MpmPairsRelease(contacts);
-  contacts->least = 0.;
 }
 
 /* ---- the step is over ---- */
@@ -490,9 +245,9 @@ void MpmPairsEnd(MpmPairContacts *contacts)
 static void KeepSlip(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum, PetscReal slip[])
 {
   const PetscInt dim = sum->space->dim;
-  PetscReal      w[ROWS], square = 0., most = 0., came[MPM_MAX_DIM];
+  PetscReal      w[MPM_PAIR_ROWS], square = 0., most = 0., came[MPM_MAX_DIM];
 
-  Relative(contacts, patch, sum, contacts->moved, w);
+  MpmPairRelative(contacts, patch, sum, contacts->moved, w);
   MpmContactAcross(dim, patch->normal, w);
   for (PetscInt a = 0; a < dim; a++) {
     came[a] = patch->slip[a] + w[a];
@@ -512,14 +267,14 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   PetscCall(PetscMalloc1(contacts->patch_count, &slip));
   PetscCall(PetscArrayzero(contacts->force, contacts->pairs->count));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    PetscReal w[ROWS];
-    Answer    answer;
+    PetscReal     w[MPM_PAIR_ROWS];
+    MpmPairAnswer answer;
 
-    Relative(contacts, &contacts->patch[k], sum, u, w);
-    Evaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
+    MpmPairRelative(contacts, &contacts->patch[k], sum, u, w);
+    MpmPairEvaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
     if (contacts->moved && answer.active) KeepSlip(contacts, &contacts->patch[k], sum, answer.slip);
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-      slip[k][a] = answer.slip[a] / Giving(contacts, &contacts->patch[k]);
+      slip[k][a] = answer.slip[a] / MpmPairGiving(contacts, &contacts->patch[k]);
       contacts->force[contacts->patch[k].pair][a] += answer.force[a];
     }
     contacts->patch[k].closed = 0.;
@@ -536,9 +291,40 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- the term ---- */
+
 static PetscBool Idle(const void *ctx)
 {
   return (PetscBool) !((const MpmPairContacts *)ctx)->patch_count;
+}
+
+static unsigned Traits(const void *ctx)
+{
+  const MpmPairs *pairs  = ((const MpmPairContacts *)ctx)->pairs;
+  unsigned        traits = 0;
+
+  if (pairs->count) traits = MPM_TERM_CONTACT | MPM_TERM_BETWEEN | MPM_TERM_RELEASES;
+  for (PetscInt k = 0; k < pairs->count; k++) {
+    if (pairs->at[k].tangential) traits |= MPM_TERM_RUBS;
+    if (pairs->at[k].tangential && !pairs->at[k].stick) traits |= MPM_TERM_SLIDES;
+    if (pairs->at[k].augmented) traits |= MPM_TERM_AUGMENTED;
+  }
+  return traits;
+}
+
+static PetscBool *Near(void *ctx)
+{
+  return &((MpmPairContacts *)ctx)->near;
+}
+
+static PetscBool Holds(const void *ctx)
+{
+  return ((const MpmPairContacts *)ctx)->holds;
+}
+
+static void Arrive(void *ctx, const PetscReal u[])
+{
+  ((MpmPairContacts *)ctx)->moved = u;
 }
 
 const MpmTerm MpmTermBodyContact = {.name     = "body contact",
@@ -551,4 +337,15 @@ const MpmTerm MpmTermBodyContact = {.name     = "body contact",
                                     .tangent  = Tangent,
                                     .apply    = Apply,
                                     .diagonal = Diagonal,
-                                    .commit   = Commit};
+                                    .commit   = Commit,
+                                    .put_back = MpmPairsPutBack,
+                                    .traits   = Traits,
+                                    .near     = Near,
+                                    .newton   = {.begin    = MpmPairsBegin,
+                                                 .accepted = MpmPairsRelease,
+                                                 .end      = MpmPairsEnd,
+                                                 .holds    = Holds,
+                                                 .soften   = MpmPairsGive,
+                                                 .squares  = MpmPairsAddSquares,
+                                                 .augment  = MpmPairsAugment},
+                                    .motion   = {.limit = MpmPairsLimit, .arrive = Arrive}};

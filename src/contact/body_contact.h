@@ -96,32 +96,32 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
 PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step);
 PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
 /*
-  What patches do at the first of Newton's iterates, as at boundaries (contact_states.c). Bodies that slide over one another have come
-  to other facets as a step starts, by more than the depth of a stiff contact: where nothing touches at u any more, Begin holds what slid
-  in the last step, for one iteration: until Release. End: all by the law, with its derivative. Collective.
+  What patches do at the first of Newton's iterates, as at boundaries (body_states.c). Begin: hold of what slid in the last step, where
+  nothing touches at u, for one iteration: until Release. End: all by the law, with its derivative. Collective.
 */
-PetscErrorCode MpmPairsBegin(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[]);
-void           MpmPairsRelease(MpmPairContacts *contacts);
-void           MpmPairsEnd(MpmPairContacts *contacts);
-void           MpmPairsGive(MpmPairContacts *contacts, PetscReal give);
+PetscErrorCode MpmPairsBegin(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool careful);
+PetscErrorCode MpmPairsRelease(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool *changed);
+void           MpmPairsEnd(void *ctx);
+/* As at boundaries (MpmContactsGive). */
+void MpmPairsGive(void *ctx, PetscReal give);
 /* Adds the squares of the forces, N2, that this rank's patches have at the local unknowns u. */
-void MpmPairsAddSquares(const MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *squares);
+PetscErrorCode MpmPairsAddSquares(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal *squares);
 /*
-  Method augmented, after Newton's: as MpmContactsAugment() does for boundaries. Where the worst depth over what is wanted is above
-  1, the pressures become those that the patches have at u. Collective.
+  Method augmented, after Newton's: where the largest error of depth over its tolerance is above 1, the pressures become those that the
+  patches have at u. Collective.
 */
-PetscErrorCode MpmPairsAugment(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst);
+PetscErrorCode MpmPairsAugment(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool first, PetscReal *worst);
 /*
   For points that are put back to where the last step found them, which keep their stress: so that patches which touch do so there
   under the same pressure, the points keep the gap that the step left in place of that at which they touch, and
   the next step makes that of it (MpmRules.put_back).
 */
-PetscErrorCode MpmPairsPutBack(const MpmPairContacts *contacts, PetscInt points, MpmParticles *particles);
+PetscErrorCode MpmPairsPutBack(const void *ctx, PetscInt points, MpmParticles *particles);
 /*
   For explicit steps dt: patches become so soft that none throws back what it stops, by the masses of the local nodes, and their
   forces have no moment (body_impact.c). Collective.
 */
-PetscErrorCode MpmPairsLimit(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
+PetscErrorCode MpmPairsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
 /* From the mean of a side to node i of its box, m; 3 numbers. */
 void MpmPairArm(const MpmPairPatch *patch, PetscInt s, const MpmSum *sum, PetscInt i, PetscReal arm[]);
 /* What a node gets by its weight of a force on a side, 3 numbers, at this arm. */

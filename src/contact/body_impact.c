@@ -174,9 +174,10 @@ static PetscInt NodeOf(const MpmPairContacts *contacts, const MpmSum *sum, Petsc
   return sum->space->group_nodes[sum->space->groups[contacts->patch[k].side[s].box].node_offset + i];
 }
 
-PetscErrorCode MpmPairsLimit(MpmPairContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt)
+PetscErrorCode MpmPairsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt)
 {
-  PetscReal *parts, *inverse;
+  MpmPairContacts *contacts = (MpmPairContacts *)ctx;
+  PetscReal       *parts, *inverse;
 
   PetscFunctionBeginUser;
   if (!contacts->pairs->count) PetscFunctionReturn(PETSC_SUCCESS);

@@ -431,6 +431,7 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
 
   PetscFunctionBeginUser;
   contacts->patch_count = contacts->list_count = 0;
+  contacts->near                               = PETSC_FALSE;
   if (!contacts->pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
   contacts->cell = PETSC_INFINITY;
   for (PetscInt a = 0; a < space->dim; a++) contacts->cell = PetscMin(contacts->cell, rules->grid->h[a]);
@@ -444,6 +445,7 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
   for (PetscInt k = 0; k < contacts->pairs->count; k++) PetscCall(PatchesOfPair(contacts, rules->grid, k));
   if (contacts->patch_count) PetscCall(MakeSides(contacts, space));
   if (contacts->patch_count) PetscCall(WeighSides(contacts, space));
+  contacts->near = (PetscBool)(contacts->patch_count > 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -599,8 +601,10 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPairsPutBack(const MpmPairContacts *contacts, PetscInt points, MpmParticles *particles)
+PetscErrorCode MpmPairsPutBack(const void *ctx, PetscInt points, MpmParticles *particles)
 {
+  const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
+
   PetscFunctionBeginUser;
   for (PetscInt p = 0; p < contacts->pairs->count; p++) {
     PetscReal *value;

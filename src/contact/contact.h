@@ -60,9 +60,10 @@ typedef struct {
   PetscBool careful, secant; /* it takes, and takes now, the secants of what slides; */
   PetscBool holds;           /* and it holds patches, of any rank */
   PetscReal least;           /* stiffness of what slides along its way, over that across (contact_law.h) */
-  PetscReal raised;          /* augmented: the stiffness in this step, over that of the penalty */
+  PetscReal raised;          /* augmented: the stiffness in this step, over that of the penalty; */
+  PetscReal deepest;         /* and the depth of the last correction over its tolerance */
   PetscReal give; /* in this step what may slide, and does not yet, gives by so many times as much as always */
-  PetscBool near; /* in this step there are patches, of any rank and any contact */
+  PetscBool near; /* in this step there are patches, of any rank */
   PetscBool bare; /* there were none in the last step that was taken: points keep nothing of contact */
 } MpmContactNewton;
 
@@ -101,25 +102,13 @@ typedef struct MpmContacts {
   For explicit steps dt: patches become so soft that none pushes further than out of its surface in a step, by the
   masses of the local nodes (contact_patch.c).
 */
-void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
+PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
 /* That whose place is solved for, or NULL. */
 const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt boundary);
+/* The placement of such a boundary, `block` values a node, goes on by the step's unknowns u; that of others stays. */
+void MpmBoundaryAdvance(const MpmContacts *contacts, PetscInt boundary, PetscInt block, const PetscReal u[],
+                        MpmPlacement *placement);
 
-/* Adds the squares of the forces, N2, that this rank's facets have at the local unknowns u. */
-PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
-                                     PetscReal *squares);
-/*
-  Method augmented, after Newton's: where the worst depth over what is wanted, at the local unknowns u, is above 1, the
-  pressures become those that the patches have there, and Newton's method has to go on. `worst` holds the last one on
-  entry, infinity before the first. Collective.
-*/
-PetscErrorCode MpmContactsAugment(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst);
-/*
-  Adds the work, J, of the forces that this rank's patches have at the displacement `at`, at the boundaries whose motion
-  is prescribed: on the material, in its displacement u, and in the boundaries' own motion.
-*/
-PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal at[],
-                               const PetscReal u[], PetscReal *material, PetscReal *boundary);
 /* What a patch does at displacements of its facets: those that the body sees where its boundary is free. */
 typedef struct {
   PetscBool active, any, slides;                                    /* the mean acts; a facet does */
@@ -142,15 +131,15 @@ typedef struct {
   unknowns u; with care, secants are taken. Follow: at another one, which has been accepted. End: all by the law, with
   its derivative. Collective.
 */
-PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscBool careful);
-PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[]);
-void           MpmContactsEnd(MpmContacts *contacts);
+PetscErrorCode MpmContactsBegin(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool careful);
+PetscErrorCode MpmContactsFollow(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool *changed);
+void           MpmContactsEnd(void *ctx);
 
 /*
   For another try at a step: what may slide gives by `give` times as much until it does, from the tractions with which
   the step starts; the next `prepare` ends it (contact_states.c).
 */
-void MpmContactsGive(MpmContacts *contacts, PetscReal give);
+void MpmContactsGive(void *ctx, PetscReal give);
 /* By how much a boundary gives. */
 static inline PetscReal MpmContactsGiving(const MpmContacts *contacts, PetscInt boundary)
 {
@@ -222,7 +211,7 @@ PetscErrorCode MpmContactsAddFacet(MpmContacts *contacts, const MpmFacet *facet)
   A step whose forces balance at `part` of it: round facets of boundaries whose motion is prescribed touch where they
   are then, by the nodes' velocities v at the step's start, m/s, dim a node, as they turn until its end.
 */
-PetscErrorCode MpmContactsTurn(MpmContacts *contacts, const MpmSum *sum, const PetscReal v[], PetscReal part);
+PetscErrorCode MpmContactsTurn(void *ctx, const MpmSum *sum, const PetscReal v[], PetscReal part);
 /* The number of the cell of a place, of a part of the material. */
 PetscInt64 MpmContactsCell(const MpmGrid *grid, const PetscReal x[], PetscInt part);
 /* Distance from a boundary as it stands at the step's start, or is expected to stand where it is free. */

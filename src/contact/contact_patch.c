@@ -283,10 +283,12 @@ static PetscReal InverseMass(const MpmContacts *contacts, const MpmSum *sum, con
   return total;
 }
 
-void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt)
+PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt)
 {
-  const PetscReal share = sum->space->dim == 2 ? 0.5 : 0.25;
+  MpmContacts    *contacts = (MpmContacts *)ctx;
+  const PetscReal share    = sum->space->dim == 2 ? 0.5 : 0.25;
 
+  PetscFunctionBeginUser;
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch       *patch   = &contacts->patch[k];
     const PetscReal inverse = InverseMass(contacts, sum, patch, mass);
@@ -298,4 +300,5 @@ void MpmContactsLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal 
     patch->direct    = PETSC_TRUE;
     patch->stiffness = PetscMin(patch->stiffness, share / (inverse * dt * dt * area));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -623,6 +623,7 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
     if (contacts->bodies) PetscCall(MpmRigidSettle(contacts, rules->grid, &moved));
   } while (moved);
   if (contacts->facet_count) PetscCall(AppendBoxes(contacts, space));
+  contacts->newton.near = (PetscBool)(contacts->patch_count > 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -81,8 +81,9 @@ static void Hold(const MpmContacts *contacts, MpmPatch *patch, const MpmSum *sum
   for (PetscInt a = 0; patch->glides && a < MPM_MAX_DIM; a++) patch->way[a] = answer.slip[a] / size;
 }
 
-PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscBool careful)
+PetscErrorCode MpmContactsBegin(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool careful)
 {
+  MpmContacts *contacts = (MpmContacts *)ctx;
   MpmPatchWork work;
 
   PetscFunctionBeginUser;
@@ -108,10 +109,12 @@ PetscErrorCode MpmContactsBegin(MpmContacts *contacts, const MpmSum *sum, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[])
+PetscErrorCode MpmContactsFollow(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool *changed)
 {
-  PetscBool    changed = PETSC_FALSE;
-  MpmPatchWork work;
+  MpmContacts    *contacts = (MpmContacts *)ctx;
+  const PetscBool secant   = contacts->newton.secant;
+  PetscBool       other    = PETSC_FALSE;
+  MpmPatchWork    work;
 
   PetscFunctionBeginUser;
   if (!contacts->newton.careful && !contacts->newton.holds) PetscFunctionReturn(PETSC_SUCCESS);
@@ -128,24 +131,29 @@ PetscErrorCode MpmContactsFollow(MpmContacts *contacts, const MpmSum *sum, const
     patch->state                = StateOf(contacts, patch, sum, u, &work, &answer);
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) along += answer.traction[a] * patch->traction[a];
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) patch->traction[a] = answer.traction[a];
-    if (patch->state != last || (patch->state == MPM_PATCH_SLIDES && along < 0.)) changed = PETSC_TRUE;
+    if (patch->state != last || (patch->state == MPM_PATCH_SLIDES && along < 0.)) other = PETSC_TRUE;
   }
   PetscCall(MpmPatchWorkDestroy(&work));
-  changed = (PetscBool)(changed && contacts->newton.careful);
-  PetscCall(MPIU_Allreduce(&changed, &contacts->newton.secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
+  other = (PetscBool)(other && contacts->newton.careful);
+  PetscCall(MPIU_Allreduce(&other, &contacts->newton.secant, 1, MPM_MPI_BOOL, MPI_LOR, sum->grid->comm));
+  if (contacts->newton.secant != secant) *changed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void MpmContactsGive(MpmContacts *contacts, PetscReal give)
+void MpmContactsGive(void *ctx, PetscReal give)
 {
+  MpmContacts *contacts = (MpmContacts *)ctx;
+
   for (PetscInt k = 0; k < contacts->facet_count; k++)
     for (PetscInt a = 0; a < MPM_MAX_DIM && !contacts->boundaries[contacts->facet[k].boundary].stick; a++)
       contacts->facet[k].slip[a] *= give / contacts->newton.give;
   contacts->newton.give = give;
 }
 
-void MpmContactsEnd(MpmContacts *contacts)
+void MpmContactsEnd(void *ctx)
 {
+  MpmContacts *contacts = (MpmContacts *)ctx;
+
   contacts->newton.careful = contacts->newton.secant = contacts->newton.holds = PETSC_FALSE;
   contacts->newton.least                                                      = 0.;
   for (PetscInt k = 0; k < contacts->patch_count; k++)

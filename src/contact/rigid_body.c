@@ -3,7 +3,7 @@
 
   A free body appends two extra nodes to the step's space: its translation, and its rotation times its size, so that all
   unknowns are lengths and all residuals forces. What its contacts do to nodes and body, and the derivatives, is in
-  rigid_motion.c; here it is summed. A patch of its contacts is that of rigid_contact.c, seen from the body. Its equations say that the forces of the contacts and what pushes the body are in
+  rigid_motion.c, of a patch in rigid_patch.c; here it is summed. Its equations say that the forces of the contacts and what pushes the body are in
   balance. Components that nothing resists (the rotation of a smooth disc) have no stiffness: the matrix, not the
   residual, has LIFT times that of a node on the bodies' diagonal, which keeps them where they are.
 */
@@ -77,82 +77,19 @@ void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const Pe
   }
 }
 
-/* ---- inertia ---- */
-
-void MpmRigidToNodes(const MpmContacts *contacts, PetscReal mass[], PetscReal velocity[], PetscReal acceleration[])
-{
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
-    const MpmRigidBody *body = &contacts->bodies[b];
-    const PetscInt      dim  = body->dim;
-
-    if (!body->freedom || !(body->freedom->mass > 0.)) continue;
-    mass[body->node]     = body->freedom->mass;
-    mass[body->node + 1] = body->freedom->inertia / PetscSqr(body->freedom->size);
-    for (PetscInt n = 0; n < 2; n++) {
-      for (PetscInt a = 0; a < dim; a++) {
-        velocity[(body->node + n) * dim + a]     = body->placement->velocity[3 * n + a];
-        acceleration[(body->node + n) * dim + a] = body->placement->acceleration[3 * n + a];
-      }
-    }
-  }
-}
-
-/* Six numbers of a body from its two nodes; what is not free stays 0. */
-static void FromNodes(const MpmRigidBody *body, const PetscReal nodal[], PetscReal values[])
-{
-  for (PetscInt n = 0; n < 2; n++)
-    for (PetscInt a = 0; a < body->dim; a++)
-      values[3 * n + a] = body->freedom->free[n] >> a & 1 ? nodal[(body->node + n) * body->dim + a] : 0.;
-}
-
-void MpmRigidFromNodes(MpmContacts *contacts, const PetscReal velocity[], const PetscReal acceleration[])
-{
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
-    const MpmRigidBody *body = &contacts->bodies[b];
-
-    if (!body->freedom || !(body->freedom->mass > 0.)) continue;
-    if (velocity) FromNodes(body, velocity, body->placement->velocity);
-    if (acceleration) FromNodes(body, acceleration, body->placement->acceleration);
-  }
-}
-
-void MpmRigidRest(MpmContacts *contacts)
-{
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
-    MpmPlacement *placement = contacts->bodies[b].placement;
-
-    if (!placement) continue;
-    for (PetscInt k = 0; k < 6; k++) placement->velocity[k] = placement->acceleration[k] = 0.;
-  }
-}
-
-void MpmRigidStart(PetscInt count, const MpmBoundary boundaries[], MpmPlacement placements[])
-{
-  for (PetscInt b = 0; b < count; b++) {
-    placements[b].turn[0] = 1.;
-    for (PetscInt a = 0; boundaries[b].freedom && a < boundaries[b].dim; a++)
-      placements[b].velocity[a] = boundaries[b].freedom->velocity[a];
-  }
-}
-
-PetscReal MpmRigidKinetic(PetscInt count, const MpmBoundary boundaries[], const MpmPlacement placements[])
-{
-  PetscReal kinetic = 0.;
-
-  for (PetscInt b = 0; b < count; b++) {
-    const MpmFreedom *freedom = boundaries[b].freedom;
-
-    if (!freedom || !(freedom->mass > 0.)) continue;
-    for (PetscInt k = 0; k < 6; k++)
-      kinetic += 0.5 * (k < 3 ? freedom->mass : freedom->inertia / PetscSqr(freedom->size)) *
-                 PetscSqr(placements[b].velocity[k]);
-  }
-  return kinetic;
-}
-
 const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt b)
 {
   return contacts->bodies && contacts->bodies[b].freedom ? &contacts->bodies[b] : NULL;
+}
+
+void MpmBoundaryAdvance(const MpmContacts *contacts, PetscInt b, PetscInt block, const PetscReal u[],
+                        MpmPlacement *placement)
+{
+  MpmRigidIncrement q;
+
+  if (!MpmContactsBody(contacts, b)) return;
+  MpmRigidIncrementAt(&contacts->bodies[b], block, u, &q);
+  MpmRigidMove(&q, placement);
 }
 
 /* The body's equations meet those of the nodes that its contacts touch. */
@@ -197,121 +134,6 @@ static PetscBool Owns(const MpmSpace *space)
   return (PetscBool)(space->extra.begin < space->owned);
 }
 
-PetscErrorCode MpmRigidWorkCreate(const MpmContacts *contacts, const MpmSum *sum, MpmRigidWork *work)
-{
-  PetscInt most = 0;
-
-  PetscFunctionBeginUser;
-  for (PetscInt k = 0; sum && k < contacts->patch_count; k++)
-    most = PetscMax(most, sum->space->groups[contacts->patch[k].box].node_count);
-  PetscCall(MpmPatchWorkCreate(contacts, &work->law));
-  PetscCall(PetscMalloc3(contacts->most, &work->u, (12 * (most + 2)), &work->left, (12 * (most + 2)), &work->right));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmRigidWorkDestroy(MpmRigidWork *work)
-{
-  PetscFunctionBeginUser;
-  PetscCall(MpmPatchWorkDestroy(&work->law));
-  PetscCall(PetscFree3(work->u, work->left, work->right));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void MpmRigidPatch(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, MpmRigidWork *work)
-{
-  const MpmRigidBody *body = &contacts->bodies[patch->boundary];
-
-  for (PetscInt f = patch->begin; f < patch->end; f++)
-    MpmRigidSee(body, &contacts->facet[f], q, work->u[f - patch->begin], work->law.value[f - patch->begin]);
-  MpmPatchEvaluate(contacts, patch, &work->law, &work->answer);
-}
-
-void MpmRigidFacet(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmRigidIncrement *q,
-                   const MpmRigidWork *work, PetscBool derivative, MpmRigidAnswer *coupled)
-{
-  const MpmRigidBody *body = &contacts->bodies[patch->boundary];
-  MpmFacetLaw         law  = {.force = {0.}};
-
-  MpmFacetForce(contacts, patch, f, &work->law, &work->answer, law.force);
-  for (PetscInt c = 0; derivative && c < body->dim; c++)
-    for (PetscInt d = 0; d < body->dim; d++)
-      law.stiffness[c][d] = MpmFacetStiffness(contacts, patch, f, &work->law, &work->answer, c, d);
-  MpmRigidTurn(body, q, &law);
-  MpmRigidCouple(body, &contacts->facet[f], q, work->u[f - patch->begin], &law, derivative, coupled);
-}
-
-/* A body at an increment, and its axes. */
-typedef struct {
-  const MpmRigidBody      *body;
-  const MpmRigidIncrement *q;
-  PetscReal                A[3][3];
-  PetscBool                rows; /* as what is balanced */
-} Frame;
-
-/* Adds `share` of a covector, in the body's frame, of a facet at the arm y: to its nodes and to the body. */
-static void AddCovector(const Frame *frame, const PetscReal y[3], const PetscReal covector[3], PetscReal share,
-                        const PetscReal weight[], PetscInt n, PetscReal vector[])
-{
-  PetscReal c[3], by[2][3];
-
-  for (PetscInt a = 0; a < 3; a++)
-    c[a] = frame->A[a][0] * covector[0] + frame->A[a][1] * covector[1] + frame->A[a][2] * covector[2];
-  MpmRigidCovector(frame->body, frame->q, y, c, frame->rows, by);
-  for (PetscInt i = 0; i < n; i++)
-    for (PetscInt a = 0; weight[i] != 0. && a < frame->body->dim; a++) vector[3 * i + a] += share * weight[i] * c[a];
-  for (PetscInt k = 0; k < 6; k++) vector[3 * n + k] += share * by[k / 3][k % 3];
-}
-
-/* The covectors of a patch's mean gap and of its mean slips, each of 3 (n + 2) numbers. */
-static void FillCovectors(const MpmContacts *contacts, const MpmPatch *patch, const Frame *frame, PetscInt n,
-                          const MpmRigidWork *work, PetscReal vector[])
-{
-  const PetscInt dim = frame->body->dim, size = 3 * (n + 2);
-  const PetscInt slips = contacts->boundaries[patch->boundary].tangential ? dim : 0;
-
-  for (PetscInt k = 0; k < 4 * size; k++) vector[k] = 0.;
-  for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const MpmFacet  *facet  = &contacts->facet[f];
-    const PetscReal *weight = n ? MpmFacetWeights(contacts, f) : NULL, share = facet->area / patch->area;
-    PetscReal        y[3];
-
-    MpmRigidArmAfter(frame->body, facet, frame->q, work->u[f - patch->begin], y);
-    AddCovector(frame, y, work->law.surface[f - patch->begin].normal, share, weight, n, vector);
-    for (PetscInt e = 0; e < slips; e++) {
-      PetscReal along[3] = {0., 0., 0.};
-
-      for (PetscInt a = 0; a < dim; a++) along[a] = (e == a ? 1. : 0.) - facet->normal[e] * facet->normal[a];
-      AddCovector(frame, y, along, share, weight, n, &vector[(1 + e) * size]);
-    }
-  }
-}
-
-void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, PetscInt n,
-                  MpmRigidWork *work)
-{
-  const MpmRigidBody   *body   = &contacts->bodies[patch->boundary];
-  const MpmPatchAnswer *answer = &work->answer;
-  const PetscInt        dim = body->dim, size = 3 * (n + 2);
-  const PetscInt        slips = contacts->boundaries[patch->boundary].tangential ? dim : 0;
-  Frame                 frame = {.body = body, .q = q};
-
-  MpmRigidAxes(body, q, frame.A);
-  FillCovectors(contacts, patch, &frame, n, work, work->left);
-  for (PetscInt k = 0; k < 4 * size; k++) work->right[k] = 0.;
-  for (PetscInt k = 0; k < size; k++) {
-    work->right[k] = patch->area * answer->stiffness * work->left[k];
-    for (PetscInt e = 0; e < slips; e++) {
-      PetscReal value = answer->by_gap[e] * work->left[k];
-
-      for (PetscInt c = 0; c < dim; c++) value += answer->by_slip[e][c] * work->left[(1 + c) * size + k];
-      work->right[(1 + e) * size + k] = patch->area * value;
-    }
-  }
-  if (!MpmFreedomTurnsInPart(body->freedom)) return;
-  frame.rows = PETSC_TRUE;
-  FillCovectors(contacts, patch, &frame, n, work, work->left);
-}
-
 /* The patch at the local unknowns; PETSC_FALSE where it does nothing. */
 static PetscBool PatchAt(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                          MpmRigidIncrement *q, MpmRigidWork *work)
@@ -323,57 +145,12 @@ static PetscBool PatchAt(const MpmContacts *contacts, const MpmPatch *patch, con
   return work->answer.any;
 }
 
-void MpmRigidEvaluate(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
-                      MpmPatchWork *work, MpmPatchAnswer *answer)
+/* Initial values of Newton's method; `factor` times the last increment where a body has not settled anew. */
+static void Guess(const void *ctx, const MpmSum *sum, PetscReal factor, PetscScalar x[])
 {
-  const MpmRigidBody *body = &contacts->bodies[patch->boundary];
-  MpmRigidIncrement   q;
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
 
-  MpmRigidIncrementAt(body, sum->block, u, &q);
-  for (PetscInt f = patch->begin; f < patch->end; f++) {
-    PetscReal value[MPM_MAX_DIM];
-
-    MpmPatchValue(contacts, sum, patch, f, u, value);
-    MpmRigidSee(body, &contacts->facet[f], &q, value, work->value[f - patch->begin]);
-  }
-  MpmPatchEvaluate(contacts, patch, work, answer);
-}
-
-/* v = A v */
-static void TurnVector(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscReal v[])
-{
-  PetscReal A[3][3], from[3] = {0., 0., 0.};
-
-  MpmRigidAxes(body, q, A);
-  for (PetscInt a = 0; a < body->dim; a++) from[a] = v[a];
-  for (PetscInt a = 0; a < body->dim; a++) v[a] = A[a][0] * from[0] + A[a][1] * from[1] + A[a][2] * from[2];
-}
-
-void MpmRigidForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmSum *sum,
-                   const PetscReal u[], PetscReal force[], PetscReal arm[])
-{
-  const MpmRigidBody *body = &contacts->bodies[patch->boundary];
-  PetscReal           value[MPM_MAX_DIM];
-  MpmRigidIncrement   q;
-
-  MpmRigidIncrementAt(body, sum->block, u, &q);
-  MpmPatchValue(contacts, sum, patch, f, u, value);
-  MpmRigidArmAfter(body, &contacts->facet[f], &q, value, arm);
-  TurnVector(body, &q, force);
-}
-
-void MpmRigidSlip(const MpmRigidBody *body, PetscInt block, const PetscReal u[], PetscReal slip[])
-{
-  MpmRigidIncrement q;
-
-  MpmRigidIncrementAt(body, block, u, &q);
-  TurnVector(body, &q, slip);
-}
-
-void MpmRigidGuess(const MpmContacts *contacts, const MpmSpace *space, PetscInt block, PetscReal factor,
-                   PetscScalar x[])
-{
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count && Owns(space); b++) {
+  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
     const MpmRigidBody *body    = &contacts->bodies[b];
     PetscBool           settled = PETSC_FALSE;
 
@@ -381,7 +158,24 @@ void MpmRigidGuess(const MpmContacts *contacts, const MpmSpace *space, PetscInt 
     for (PetscInt k = 0; k < 6; k++) settled = (PetscBool)(settled || body->guess[k] != 0.);
     for (PetscInt n = 0; n < 2; n++)
       for (PetscInt a = 0; a < Components(body, n); a++)
-        x[(body->node + n) * block + a] = settled ? body->guess[3 * n + a] : factor * body->placement->last[3 * n + a];
+        x[(body->node + n) * sum->block + a] =
+          settled ? body->guess[3 * n + a] : factor * body->placement->last[3 * n + a];
+  }
+}
+
+static void Mode(const void *ctx, const MpmSum *sum, const PetscReal origin[], const PetscReal along[3],
+                 const PetscReal turn[3], PetscScalar x[])
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+
+  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
+    const MpmRigidBody *body = &contacts->bodies[b];
+    PetscReal           mode[2][3];
+
+    if (!body->freedom) continue;
+    MpmRigidMode(body, origin, along, turn, mode);
+    for (PetscInt n = 0; n < 2; n++)
+      for (PetscInt a = 0; a < sum->space->dim; a++) x[(body->node + n) * sum->block + a] = mode[n][a];
   }
 }
 
@@ -426,11 +220,16 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal MpmRigidPushWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[])
+/* Work of what pushes the bodies, on the rank that owns their nodes; the residual has what contact leaves of it. */
+static PetscErrorCode Work(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
+                           MpmTermWork *account)
 {
-  PetscReal work = 0.;
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  PetscReal          work     = 0.;
 
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count && Owns(sum->space); b++) {
+  PetscFunctionBeginUser;
+  (void)at;
+  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
     const MpmRigidBody *body = MpmContactsBody(contacts, b);
     MpmRigidIncrement   q;
     PetscReal           load[2][3], unused[3][3];
@@ -441,7 +240,9 @@ PetscReal MpmRigidPushWork(const MpmContacts *contacts, const MpmSum *sum, const
     for (PetscInt n = 0; n < 2; n++)
       for (PetscInt a = 0; a < Components(body, n); a++) work -= load[n][a] * u[(body->node + n) * sum->block + a];
   }
-  return work;
+  account->external += work;
+  account->dissipated += work;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The matrix of a body's own: what its load does, and the lift. */
@@ -707,13 +508,14 @@ PetscInt MpmRigidReport(const MpmContacts *contacts, PetscInt b, PetscReal value
   return count;
 }
 
-PetscErrorCode MpmRigidImbalance(const MpmContacts *contacts, const MpmSpace *space, PetscInt block,
-                                 const PetscScalar residual[], MPI_Comm comm, PetscReal *imbalance)
+/* The largest residual of a body over what acts there. */
+static PetscReal Imbalance(const void *ctx, const MpmSum *sum, const PetscScalar residual[])
 {
-  PetscFunctionBeginUser;
-  *imbalance = 0.;
-  if (!contacts->bodies) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt b = 0; b < contacts->boundary_count && Owns(space); b++) {
+  const MpmContacts *contacts  = (const MpmContacts *)ctx;
+  const PetscInt     block     = sum->block;
+  PetscReal          imbalance = 0.;
+
+  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
     const MpmRigidBody *body = &contacts->bodies[b];
     PetscReal           load = 0., rest = 0.;
 
@@ -721,24 +523,36 @@ PetscErrorCode MpmRigidImbalance(const MpmContacts *contacts, const MpmSpace *sp
     for (PetscInt a = 0; a < body->dim; a++) load = PetscMax(load, PetscAbsReal(body->load[a]));
     for (PetscInt a = 0; a < 3; a++) load = PetscMax(load, PetscAbsReal(body->moment[a]) / body->freedom->size);
     for (PetscInt k = 0; k < 2 * block; k++) rest = PetscMax(rest, PetscAbsScalar(residual[body->node * block + k]));
-    if (load > 0.) *imbalance = PetscMax(*imbalance, rest / load);
+    if (load > 0.) imbalance = PetscMax(imbalance, rest / load);
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, imbalance, 1, MPIU_REAL, MPIU_MAX, comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return imbalance;
 }
+
+/* ---- the term ---- */
 
 static PetscBool Idle(const void *ctx)
 {
   return (PetscBool) !((const MpmContacts *)ctx)->bodies;
 }
 
-const MpmTerm MpmTermRigidBodies = {.name     = "rigid bodies",
-                                    .account  = MPM_ACCOUNT_DISSIPATED,
-                                    .idle     = Idle,
-                                    .boxes    = Boxes,
-                                    .link     = Link,
-                                    .residual = Residual,
-                                    .tangent  = Tangent,
-                                    .apply    = Apply,
-                                    .diagonal = Diagonal,
-                                    .commit   = Commit};
+static unsigned Traits(const void *ctx)
+{
+  return ((const MpmContacts *)ctx)->bodies ? MPM_TERM_UNKNOWNS : 0;
+}
+
+const MpmTerm MpmTermRigidBodies = {
+  .name     = "rigid bodies",
+  .account  = MPM_ACCOUNT_DISSIPATED,
+  .idle     = Idle,
+  .boxes    = Boxes,
+  .link     = Link,
+  .residual = Residual,
+  .tangent  = Tangent,
+  .apply    = Apply,
+  .diagonal = Diagonal,
+  .commit   = Commit,
+  .traits   = Traits,
+  .work     = Work,
+  .newton   = {.imbalance = Imbalance, .relax = MpmRigidRelax, .guess = Guess, .mode = Mode},
+  .motion   = {.rest = MpmRigidRest, .lend = MpmRigidLend, .take = MpmRigidTake, .kinetic = MpmRigidKinetic},
+  .failure  = {.refuses = MpmRigidRefuses, .stray = MpmRigidStray, .unheld = MpmRigidUnheld}};

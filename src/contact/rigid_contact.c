@@ -73,19 +73,21 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmContactsAddSquares(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
-                                     PetscReal *squares)
+static PetscErrorCode AddSquares(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal *squares)
 {
   PetscFunctionBeginUser;
-  PetscCall(AddForces(contacts, sum, u, NULL, squares));
+  PetscCall(AddForces((const MpmContacts *)ctx, sum, u, NULL, squares));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, const PetscReal at[],
-                               const PetscReal u[], PetscReal *material, PetscReal *boundary)
+/* At boundaries whose motion is prescribed: their own work, less what the material gets of it. */
+static PetscErrorCode Work(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
+                           MpmTermWork *account)
 {
-  const PetscInt dim = sum->space->dim;
-  MpmPatchWork   work;
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  const PetscInt     dim      = sum->space->dim;
+  PetscReal          material = 0., boundary = 0.;
+  MpmPatchWork       work;
 
   PetscFunctionBeginUser;
   if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
@@ -105,11 +107,13 @@ PetscErrorCode MpmContactsWork(const MpmContacts *contacts, const MpmSum *sum, c
       MpmPatchValue(contacts, sum, patch, f, u, value);
       MpmPoseCarry(dim, before, after, facet->place, moved);
       for (PetscInt a = 0; a < dim; a++) {
-        *material += force[a] * value[a];
-        *boundary += force[a] * (moved[a] - facet->place[a]);
+        material += force[a] * value[a];
+        boundary += force[a] * (moved[a] - facet->place[a]);
       }
     }
   }
+  account->external += boundary;
+  account->dissipated += boundary - material;
   PetscCall(MpmPatchWorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -487,11 +491,11 @@ static PetscErrorCode FindShifts(const MpmContacts *contacts, const MpmSum *sum,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmContactsAugment(MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal *worst)
+static PetscErrorCode Augment(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool first, PetscReal *worst)
 {
-  const PetscReal last = *worst;
-  PetscReal      *shift;
-  PetscBool       any = PETSC_FALSE, raise;
+  MpmContacts *contacts = (MpmContacts *)ctx;
+  PetscReal   *shift;
+  PetscBool    any = PETSC_FALSE, raise;
 
   PetscFunctionBeginUser;
   *worst = 0.;
@@ -499,7 +503,9 @@ PetscErrorCode MpmContactsAugment(MpmContacts *contacts, const MpmSum *sum, cons
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(contacts->patch_count, &shift));
   PetscCall(FindShifts(contacts, sum, u, shift, worst));
-  raise = (PetscBool)(*worst > 1. && *worst >= SLOW * last && contacts->newton.raised < MOST);
+  raise =
+    (PetscBool)(*worst > 1. && !first && *worst >= SLOW * contacts->newton.deepest && contacts->newton.raised < MOST);
+  contacts->newton.deepest = *worst;
   if (raise) contacts->newton.raised *= RAISE;
   for (PetscInt k = 0; *worst > 1. && k < contacts->patch_count; k++) {
     MpmPatch          *patch    = &contacts->patch[k];
@@ -594,24 +600,74 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- the term ---- */
+
 static PetscBool Idle(const void *ctx)
 {
   return (PetscBool) !((const MpmContacts *)ctx)->patch_count;
 }
 
-/* Without boundaries there is nothing. */
-static PetscBool IsAbsent(const void *ctx)
+static unsigned Traits(const void *ctx)
 {
-  return (PetscBool) !((const MpmContacts *)ctx)->boundary_count;
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  unsigned           traits   = contacts->boundary_count ? MPM_TERM_CONTACT : 0;
+
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+    const MpmBoundary *boundary = &contacts->boundaries[b];
+
+    if (boundary->bilateral) traits |= MPM_TERM_BILATERAL;
+    if (!boundary->bilateral || !boundary->tangential) traits |= MPM_TERM_RELEASES;
+    if (boundary->tangential) traits |= MPM_TERM_RUBS;
+    if (boundary->tangential && !boundary->stick) traits |= MPM_TERM_SLIDES;
+    if (boundary->augmented) traits |= MPM_TERM_AUGMENTED;
+  }
+  return traits;
 }
 
-const MpmTerm MpmTermContact = {.name      = "rigid contact",
-                                .quadratic = IsAbsent,
-                                .idle      = Idle,
-                                .boxes     = MpmContactsFind,
-                                .prepare   = MpmContactsPrepare,
-                                .residual  = Residual,
-                                .tangent   = Tangent,
-                                .apply     = Apply,
-                                .diagonal  = Diagonal,
-                                .commit    = Commit};
+static PetscBool *Near(void *ctx)
+{
+  return &((MpmContacts *)ctx)->newton.near;
+}
+
+static PetscBool Holds(const void *ctx)
+{
+  return ((const MpmContacts *)ctx)->newton.holds;
+}
+
+/* That of the firmest boundary. */
+static PetscReal Firmness(const void *ctx)
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  PetscReal          penalty  = 0.;
+
+  for (PetscInt k = 0; contacts->newton.near && k < contacts->boundary_count; k++)
+    penalty = PetscMax(penalty, contacts->newton.raised * contacts->boundaries[k].penalty);
+  return penalty;
+}
+
+static void Arrive(void *ctx, const PetscReal u[])
+{
+  ((MpmContacts *)ctx)->moved = u;
+}
+
+const MpmTerm MpmTermContact = {.name     = "rigid contact",
+                                .idle     = Idle,
+                                .boxes    = MpmContactsFind,
+                                .prepare  = MpmContactsPrepare,
+                                .residual = Residual,
+                                .tangent  = Tangent,
+                                .apply    = Apply,
+                                .diagonal = Diagonal,
+                                .commit   = Commit,
+                                .traits   = Traits,
+                                .near     = Near,
+                                .work     = Work,
+                                .newton   = {.begin    = MpmContactsBegin,
+                                             .accepted = MpmContactsFollow,
+                                             .end      = MpmContactsEnd,
+                                             .holds    = Holds,
+                                             .soften   = MpmContactsGive,
+                                             .firmness = Firmness,
+                                             .squares  = AddSquares,
+                                             .augment  = Augment},
+                                .motion   = {.turn = MpmContactsTurn, .limit = MpmContactsLimit, .arrive = Arrive}};

@@ -11,6 +11,7 @@
   which s is not longer than a trusted length, a part of a cell at most. A step ends where the work done along it is
   least. A place for Newton to start from is all that comes of it; a body that is in contact and hardly moved by its first step is left to Newton as it is.
 */
+#include "base/outcome.h"
 #include "grid/grid.h"
 #include "space/sum.h"
 #include "contact/rigid_body.h"
@@ -263,7 +264,8 @@ static PetscBool Spins(MpmRigidBody *body)
   return PETSC_TRUE;
 }
 
-PetscErrorCode MpmRigidDescribeDrift(const MpmContacts *contacts, PetscInt b, size_t length, char text[])
+/* Of a body that is adrift. */
+static PetscErrorCode DescribeDrift(const MpmContacts *contacts, PetscInt b, size_t length, char text[])
 {
   const MpmRigidBody *body = &contacts->bodies[b];
   const char         *name = contacts->boundaries[b].name;
@@ -286,6 +288,18 @@ PetscErrorCode MpmRigidDescribeDrift(const MpmContacts *contacts, PetscInt b, si
                             "nothing holds boundary %s against its moment about %c: it turns on and meets no material",
                             name, body->dim == 2 ? 'z' : "xyz"[most]));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRigidRefuses(const void *ctx, MpmOutcome *outcome)
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  char               text[MPM_OUTCOME_TEXT];
+
+  PetscFunctionBeginUser;
+  if (contacts->adrift < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(DescribeDrift(contacts, contacts->adrift, sizeof(text), text));
+  PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_UNCONSTRAINED, "%s", text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -323,10 +337,11 @@ static PetscReal Push(const MpmRigidBody *body)
   return PetscMax(Norm(3, body->load), Norm(3, body->moment) / body->freedom->size);
 }
 
-PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscBool follows,
+PetscErrorCode MpmRigidRelax(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool follows,
                              const PetscScalar last[], PetscScalar x[])
 {
-  const PetscInt bs = sum->block, owner = sum->grid->size - 1;
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  const PetscInt     bs = sum->block, owner = sum->grid->size - 1;
 
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->boundary_count; b++) {
@@ -353,12 +368,14 @@ PetscErrorCode MpmRigidRelax(const MpmContacts *contacts, const MpmSum *sum, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRigidUnheld(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscInt *unheld,
-                              PetscInt *component, PetscBool *held)
+PetscErrorCode MpmRigidUnheld(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmOutcome *outcome)
 {
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  PetscInt           unheld = -1, component = 0;
+  PetscBool          held = PETSC_FALSE;
+
   PetscFunctionBeginUser;
-  *unheld = -1;
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count && *unheld < 0; b++) {
+  for (PetscInt b = 0; b < contacts->boundary_count && unheld < 0; b++) {
     const MpmRigidBody *body    = &contacts->bodies[b];
     Balance             balance = {.grid = sum->grid, .sum = sum, .u = u};
     PetscReal           values[MOST], stiffest = 0., worst = 0., most = 0.;
@@ -378,24 +395,33 @@ PetscErrorCode MpmRigidUnheld(const MpmContacts *contacts, const MpmSum *sum, co
       if (PetscAbsReal(balance.H[i * (balance.n + 1)]) > FREE * stiffest || off <= UNHELD * PetscMax(load, contact) ||
           off <= ROUNDING * most || off <= worst)
         continue;
-      worst      = off;
-      *unheld    = b;
-      *component = balance.component[i];
-      *held      = (PetscBool)(contact > FREE * load);
+      worst     = off;
+      unheld    = b;
+      component = balance.component[i];
+      held = (PetscBool)(contact > FREE * load);
     }
   }
+  if (unheld < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_UNCONSTRAINED,
+                           "its contacts do not hold boundary %s against %s %c (%s)", contacts->boundaries[unheld].name,
+                           component < 3 ? "translation along" : "rotation about",
+                           contacts->boundaries[unheld].dim == 2 && component > 2 ? 'z' : "xyz"[component % 3],
+                           outcome->text));
+  outcome->retryable = (PetscBool)(outcome->retryable && held);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscInt MpmRigidStray(const MpmContacts *contacts, PetscInt block, const PetscReal u[])
+PetscBool MpmRigidStray(const void *ctx, const MpmSum *sum, const PetscReal u[])
 {
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+
+  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
     PetscReal values[MOST];
 
     if (!contacts->bodies[b].freedom) continue;
-    Take(&contacts->bodies[b], block, u, values);
+    Take(&contacts->bodies[b], sum->block, u, values);
     for (PetscInt k = 0; k < MOST; k++) values[k] -= contacts->bodies[b].guess[k];
-    if (Norm(MOST, values) > STRAY * contacts->cell) return b;
+    if (Norm(MOST, values) > STRAY * contacts->cell) return PETSC_TRUE;
   }
-  return -1;
+  return PETSC_FALSE;
 }

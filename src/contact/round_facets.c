@@ -127,8 +127,10 @@ PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmContactsTurn(MpmContacts *contacts, const MpmSum *sum, const PetscReal v[], PetscReal part)
+PetscErrorCode MpmContactsTurn(void *ctx, const MpmSum *sum, const PetscReal v[], PetscReal part)
 {
+  MpmContacts *contacts = (MpmContacts *)ctx;
+
   PetscFunctionBeginUser;
   if (!contacts->shaped || part == 1.) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt f = 0; f < contacts->facet_count; f++) {

@@ -41,9 +41,6 @@
 #include "assembly/terms.h"
 #include "volume/damping.h"
 #include "volume/inertia.h"
-#include "contact/body_contact.h"
-#include "contact/contact.h"
-#include "contact/rigid_body.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "scene/integrator_read.h"
@@ -105,7 +102,7 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesRest(model->state.particles));
   if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC) model->state.dt_before = -1.;
-  MpmRigidRest(model->disc.contacts);
+  MpmTermsRest(model->disc.terms);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -142,7 +139,7 @@ static PetscErrorCode Project(MpmModel model)
   dynamics = model->state.scheme.dynamics;
   PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, model->disc.inertia->mass,
                                dynamics->v_old, dynamics->a_start));
-  MpmRigidToNodes(model->disc.contacts, model->disc.inertia->mass, dynamics->v_old, dynamics->a_start);
+  MpmTermsLend(model->disc.terms, model->disc.inertia->mass, dynamics->v_old, dynamics->a_start);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -351,7 +348,7 @@ static PetscErrorCode FindAcceleration(MpmModel model)
   }
   MpmFramesToAxes(model->disc.constraints, dim, dynamics->local, dynamics->a_new);
   MpmConstraintsExtend(model->disc.constraints, model->disc.space, dynamics->a_new);
-  MpmRigidFromNodes(model->disc.contacts, NULL, dynamics->a_new);
+  MpmTermsTake(model->disc.terms, NULL, dynamics->a_new);
   PetscCall(
     MpmMotionToPoints(model->disc.sum, &only,
                       &(MpmMotionStep){.v_old = dynamics->v_old, .v_new = dynamics->v_old, .a_new = dynamics->a_new}));
@@ -380,7 +377,7 @@ static PetscErrorCode PrepareStep(MpmModel model, PetscReal time, PetscReal dt, 
   *method = MethodOf(model);
   before = model->state.scheme.load_at_start = first ? 1. : method->alpha_f;
   PetscCall(MpmStepPrepare(model, time, dt, again, outcome));
-  if (outcome->code || !model->disc.contacts->newton.near) PetscFunctionReturn(PETSC_SUCCESS);
+  if (outcome->code || !MpmTermsNear(model->disc.terms, MPM_TERM_CONTACT)) PetscFunctionReturn(PETSC_SUCCESS);
   model->state.scheme.met = PETSC_TRUE;
   *method                 = MethodOf(model);
   if (method->alpha_f == before || first) PetscFunctionReturn(PETSC_SUCCESS);
@@ -414,7 +411,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   PetscCall(EndConstrained(model, time));
   PetscCall(SetForces(model, &method));
   PetscCall(
-    MpmContactsTurn(model->disc.contacts, model->disc.sum, model->state.scheme.dynamics->v_start, 1. - method.alpha_f));
+    MpmTermsTurn(model->disc.terms, model->disc.sum, model->state.scheme.dynamics->v_start, 1. - method.alpha_f));
   PetscCall(KeepLoads(model, time, method.alpha_f));
   PetscCall(AddStart(model, method.alpha_f, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -520,7 +517,7 @@ static PetscErrorCode Accept(MpmModel model)
     dynamics->v_new[k] = dynamics->v_factor * u[k] + dynamics->v_rest[k];
     dynamics->a_new[k] = dynamics->a_factor * u[k] + dynamics->a_rest[k];
   }
-  MpmRigidFromNodes(model->disc.contacts, dynamics->v_new, dynamics->a_new);
+  MpmTermsTake(model->disc.terms, dynamics->v_new, dynamics->a_new);
   PetscCall(MpmEnergyAdd(model, &(MpmStepWork){.u        = u,
                                                .loads    = dynamics->loads,
                                                .supports = model->disc.residual,

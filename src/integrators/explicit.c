@@ -32,8 +32,6 @@
 #include "points/point_terms.h"
 #include "volume/damping.h"
 #include "volume/inertia.h"
-#include "contact/body_contact.h"
-#include "contact/contact.h"
 #include "loads/body_surface.h"
 #include "loads/load.h"
 #include "problem/section.h"
@@ -80,7 +78,7 @@ static PetscErrorCode Resize(MpmModel model)
 /* Do other terms than the points' have forces in this step: contact that is near, pressures on surfaces, damping? */
 static PetscBool HasOthers(const MpmModel model)
 {
-  return (PetscBool)(model->disc.contacts->newton.near || model->scene.surfaces->count ||
+  return (PetscBool)(MpmTermsNear(model->disc.terms, MPM_TERM_CONTACT) || model->scene.surfaces->count ||
                      MpmDampingAny(model->disc.damping));
 }
 
@@ -327,12 +325,11 @@ static PetscErrorCode LimitContact(MpmModel model, PetscReal dt)
   PetscReal      *mass;
 
   PetscFunctionBeginUser;
-  if (!model->scene.boundaries->count && !model->scene.pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!(MpmTermsTraits(model->disc.terms) & MPM_TERM_CONTACT)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(model->disc.space->local, &mass));
   for (PetscInt i = 0; i < model->disc.space->local; i++)
     mass[i] = model->disc.inertia->mass[i] > 0. ? PetscMax(model->disc.inertia->mass[i], least) : 0.;
-  MpmContactsLimit(model->disc.contacts, model->disc.sum, mass, dt);
-  PetscCall(MpmPairsLimit(model->disc.pairs, model->disc.sum, mass, dt));
+  PetscCall(MpmTermsLimit(model->disc.terms, model->disc.sum, mass, dt));
   PetscCall(PetscFree(mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -573,10 +570,10 @@ static PetscErrorCode Accept(MpmModel model)
   if (HasOthers(model)) {
     Displace(model, dynamics->v_new, dynamics->v_start);
     Quieten(model, LIGHT, sum->dt, dynamics->v_start);
-    model->disc.contacts->moved = model->disc.pairs->moved = dynamics->v_start;
+    MpmTermsArrive(model->disc.terms, dynamics->v_start);
   }
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
-  model->disc.contacts->moved = model->disc.pairs->moved = NULL;
+  MpmTermsArrive(model->disc.terms, NULL);
   PetscCall(MpmStepFindReactions(model));
   MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));

@@ -34,7 +34,9 @@ PetscErrorCode MpmFillOwnStates(MpmModel model);
 PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscInt b);
 PetscErrorCode MpmFillFromFiles(MpmModel model);
 PetscErrorCode MpmFillParts(MpmModel model);
-/* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
+/* The particles with the fields that the scene asks for, and no points yet. */
+PetscErrorCode MpmPointFieldsCreate(MpmModel model);
+/* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked; the discretization is set up. */
 PetscErrorCode MpmPointsCreate(MpmModel model);
 /* Numbers of the row of parameters that each point has; 0: no material varies. Sets the materials' strides. */
 PetscInt MpmOwnParametersSize(MpmModel model);

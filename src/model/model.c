@@ -655,9 +655,10 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_SETUP, &since));
   PetscCall(MpmRestartOpen(model));
-  PetscCall(MpmPointsCreate(model));
+  PetscCall(MpmPointFieldsCreate(model));
   PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.bodies,
                                    model->scene.pairs, model->state.placements, model->state.particles->state_size));
+  PetscCall(MpmPointsCreate(model));
   PetscCall(MpmSurfacesAdd(model));
   model->solver.cache.minimisation.on = MpmStagesMinimise(model);
   PetscCall(MpmCheckpointKeepOptions(model, &options));

@@ -259,8 +259,7 @@ static PetscBool NeedsBodies(const MpmModel model)
                      model->scene.boundaries->count > 0 || model->scene.pairs->count > 0);
 }
 
-/* The particles with the fields that the scene asks for, and no points yet. */
-static PetscErrorCode CreateFields(MpmModel model)
+PetscErrorCode MpmPointFieldsCreate(MpmModel model)
 {
   PetscInt  state_size = 0, extra = 0, shared;
   PetscBool parts       = (PetscBool)(model->disc.parts > 1);
@@ -325,7 +324,6 @@ PetscErrorCode MpmPointsCreate(MpmModel model)
   MpmOutcome outcome;
 
   PetscFunctionBeginUser;
-  PetscCall(CreateFields(model));
   if (!NeedsBodies(model)) {
     PetscCall(MpmRestartReadPoints(model));
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -65,7 +65,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
   if (disc->layout->taken_up >= 0) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermWaterWeight, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
-  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
+  if (boundaries->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
   PetscCall(
     MpmPairContactsCreate(disc->comm, pairs, bodies, state_size, MpmPressureComponent(disc->layout), disc->pairs));
   if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));

@@ -121,6 +121,13 @@ void MpmRigidCarry(const MpmBoundary *boundary, const MpmPose *pose, const MpmPl
   for (PetscInt a = 0; a < boundary->dim; a++) x[a] = reference[a] + placement->shift[a] + arm[a];
 }
 
+void MpmBoundaryMiddle(const MpmBoundary *boundary, const MpmPose *pose, const MpmPlacement *placement,
+                       PetscReal place[])
+{
+  MpmSolidMiddle(&boundary->solid, place);
+  MpmRigidCarry(boundary, pose, placement, place);
+}
+
 /* ---- between the axes and the body ---- */
 
 void MpmRigidDistance(const MpmRigidBody *body, const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[],

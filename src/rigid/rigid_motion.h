@@ -76,6 +76,9 @@ void MpmBoundaryReference(const MpmBoundary *boundary, const MpmPose *pose, Pets
 /* Where the prescribed motion and, of a free boundary, the placement carry a place x of the boundary at rest; in place.
    */
 void MpmRigidCarry(const MpmBoundary *boundary, const MpmPose *pose, const MpmPlacement *placement, PetscReal x[]);
+/* Where they carry the middle of its solid. */
+void MpmBoundaryMiddle(const MpmBoundary *boundary, const MpmPose *pose, const MpmPlacement *placement,
+                       PetscReal place[]);
 /* Distance and normal at the step's start of a body with its placement. */
 void MpmRigidDistance(const MpmRigidBody *body, const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[],
                       MpmSurface *surface);

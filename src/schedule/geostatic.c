@@ -18,7 +18,7 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/rules.h"
-#include "contact/body_contact.h"
+#include "assembly/terms.h"
 #include "query/model.h"
 #include "step/energy.h"
 #include "step/moving_grid.h"
@@ -167,7 +167,7 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, Mpm
     MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, outcome));
   if (!outcome->code) {
     PetscCall(PutBack(model, rest));
-    PetscCall(MpmPairsPutBack(model->disc.pairs, rest->n, model->state.particles));
+    PetscCall(MpmTermsPutBack(model->disc.terms, rest->n, model->state.particles));
     model->state.scheme.put_back = PETSC_TRUE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -31,6 +31,7 @@
 #include "particles/body.h"
 #include "particles/points.h"
 #include "space/sum.h"
+#include "assembly/terms.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "step/step.h"
@@ -52,7 +53,7 @@ static PetscBool MaySlide(const MpmModel model)
 {
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     if (model->scene.materials->at[m].info.traits & MPM_LAW_PLASTIC) return PETSC_TRUE;
-  return MpmContactsMaySlide(model);
+  return (PetscBool)((MpmTermsTraits(model->disc.terms) & MPM_TERM_SLIDES) > 0);
 }
 
 /* May the stage under way not slide? */

@@ -5,7 +5,7 @@
 #include "particles/particles.h"
 #include "space/rules.h"
 #include "volume/inertia.h"
-#include "contact/contact.h"
+#include "assembly/terms.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "step/integrator.h"
@@ -294,7 +294,7 @@ static Remedies FindRemedies(const MpmModel model)
 /* May a step of the reduction settle? Not with bodies whose motion is solved for: they have no part in the term of settle.c. */
 static PetscBool MaySettle(const MpmModel model)
 {
-  return (PetscBool)(model->disc.inertia->settles && !model->disc.contacts->bodies);
+  return (PetscBool)(model->disc.inertia->settles && !(MpmTermsTraits(model->disc.terms) & MPM_TERM_UNKNOWNS));
 }
 
 /*

@@ -6,9 +6,8 @@
   Nodes that the corner of a single domain touches have more unknowns than the point has strains. And a body at rest that nothing
   but contact holds may slide where nothing rubs, or hang above what it will rest on.
 */
+#include "assembly/terms.h"
 #include "volume/inertia.h"
-#include "contact/body_contact.h"
-#include "contact/contact.h"
 #include "problem/discretization.h"
 #include "solve/solve.h"
 
@@ -28,12 +27,8 @@
 /* At rest, may contact that is near let anything go? */
 static PetscBool MayLetGo(const MpmSolver *solver)
 {
-  const MpmDiscretization *disc = solver->disc;
-
-  if (disc->inertia->active || !MpmSolverHasContact(solver)) return PETSC_FALSE;
-  for (PetscInt b = 0; b < disc->contacts->boundary_count; b++)
-    if (!disc->contacts->boundaries[b].bilateral || !disc->contacts->boundaries[b].tangential) return PETSC_TRUE;
-  return (PetscBool)(disc->pairs->pairs->count > 0);
+  if (solver->disc->inertia->active || !MpmSolverHasContact(solver)) return PETSC_FALSE;
+  return (PetscBool)((MpmTermsTraits(solver->disc->terms) & MPM_TERM_RELEASES) > 0);
 }
 
 PetscErrorCode MpmJacobianLift(MpmSolver *solver, Mat J)

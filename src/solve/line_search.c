@@ -3,9 +3,6 @@
 */
 #include "point/layout.h"
 #include "assembly/terms.h"
-#include "contact/body_contact.h"
-#include "contact/contact.h"
-#include "contact/rigid_body.h"
 #include "problem/discretization.h"
 #include "solve/line_search.h"
 
@@ -49,12 +46,12 @@ PetscErrorCode MpmRelaxBodies(MpmSolver *solver, Vec last, Vec x)
   PetscScalar       *values;
 
   PetscFunctionBeginUser;
-  if (!solver->disc->contacts->bodies) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!(MpmTermsTraits(solver->disc->terms) & MPM_TERM_UNKNOWNS)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGatherSolution(solver, x));
   if (last) PetscCall(VecGetArrayRead(last, &before));
   PetscCall(VecGetArray(x, &values));
-  PetscCall(MpmRigidRelax(solver->disc->contacts, solver->disc->sum, solver->disc->u, (PetscBool)(last != NULL), before,
-                          values));
+  PetscCall(
+    MpmTermsRelax(solver->disc->terms, solver->disc->sum, solver->disc->u, (PetscBool)(last != NULL), before, values));
   PetscCall(VecRestoreArray(x, &values));
   if (last) PetscCall(VecRestoreArrayRead(last, &before));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -322,19 +319,19 @@ static PetscErrorCode SearchByNorm(MpmSearch *search, PetscBool *found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Tells the contacts of the iterate that is taken; those that were held until now do otherwise there. */
-static PetscErrorCode FollowContacts(MpmSearch *search)
+/* Passes the iterate that is taken to the terms; forces that were held until now are others there. */
+static PetscErrorCode AcceptIterate(MpmSearch *search)
 {
-  const MpmDiscretization *disc   = search->solver->disc;
-  const PetscBool          held   = (PetscBool)(disc->contacts->newton.holds || disc->pairs->holds);
-  const PetscBool          secant = disc->contacts->newton.secant;
+  const MpmDiscretization *disc    = search->solver->disc;
+  const PetscBool          held    = MpmTermsHold(disc->terms);
+  const PetscBool          careful = (PetscBool)(search->solver->careful && MpmSolverHasContact(search->solver));
+  PetscBool                changed;
 
   PetscFunctionBeginUser;
-  if (!disc->contacts->newton.careful && !held) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!careful && !held) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGatherSolution(search->solver, search->W));
-  PetscCall(MpmContactsFollow(disc->contacts, disc->sum, disc->u));
-  MpmPairsRelease(disc->pairs);
-  if (secant != disc->contacts->newton.secant) search->solver->cache.summed.id = 0; /* another Jacobian */
+  PetscCall(MpmTermsNewtonAccepted(disc->terms, disc->sum, disc->u, &changed));
+  if (changed) search->solver->cache.summed.id = 0; /* another Jacobian */
   if (!held) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESComputeFunction(search->solver->snes, search->W, search->G));
   PetscCall(VecNorm(search->G, NORM_2, &search->norm));
@@ -363,7 +360,7 @@ PetscErrorCode MpmLineSearch(SNESLineSearch object, void *ctx)
     PetscCall(SNESLineSearchSetReason(object, SNES_LINESEARCH_FAILED_NANORINF));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(FollowContacts(&search));
+  PetscCall(AcceptIterate(&search));
   PetscCall(VecNorm(search.Y, NORM_2, &ynorm));
   PetscCall(MpmPlaceGet(search.W, &tried));
   PetscCall(VecCopy(search.W, search.X));

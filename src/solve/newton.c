@@ -10,9 +10,6 @@
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
 #include "volume/inertia.h"
-#include "contact/body_contact.h"
-#include "contact/contact.h"
-#include "contact/rigid_body.h"
 #include "problem/discretization.h"
 #include "solve/line_search.h"
 
@@ -193,17 +190,14 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Stiffness of the firmest boundary against a node, N/m. */
+/* Stiffness of the firmest contact against a node, N/m. */
 static PetscReal Contact(const MpmSolver *solver)
 {
-  const MpmDiscretization *disc     = solver->disc;
-  const MpmContacts       *contacts = disc->contacts;
-  PetscReal                penalty = 0., modulus = 0.;
+  const MpmDiscretization *disc    = solver->disc;
+  PetscReal                modulus = 0.;
 
-  for (PetscInt k = 0; contacts->newton.near && k < contacts->boundary_count; k++)
-    penalty = PetscMax(penalty, contacts->newton.raised * contacts->boundaries[k].penalty);
   for (PetscInt m = 0; m < disc->material_count; m++) modulus = PetscMax(modulus, disc->sum->materials[m].penalty);
-  return penalty * modulus * PetscPowRealInt(solver->disc->h[0], solver->disc->dim - 2);
+  return MpmTermsFirmness(disc->terms) * modulus * PetscPowRealInt(disc->h[0], disc->dim - 2);
 }
 
 #define BODY_IMBALANCE 1e-12 /* of what pushes a body */
@@ -221,9 +215,9 @@ static PetscErrorCode TestBodies(SNES snes, MpmSolver *solver, SNESConvergedReas
   PetscFunctionBeginUser;
   PetscCall(SNESGetFunction(snes, &f, NULL, NULL));
   PetscCall(VecGetArrayRead(f, &values));
-  PetscCall(MpmRigidImbalance(solver->disc->contacts, solver->disc->space, solver->disc->block, values,
-                              solver->disc->comm, &solver->cache.imbalance));
+  solver->cache.imbalance = MpmTermsImbalance(solver->disc->terms, solver->disc->sum, values);
   PetscCall(VecRestoreArrayRead(f, &values));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &solver->cache.imbalance, 1, MPIU_REAL, MPIU_MAX, solver->disc->comm));
   if (*reason > 0 && !solver->cache.rough && solver->cache.imbalance > BODY_IMBALANCE &&
       solver->cache.imbalance < 0.5 * last)
     *reason = SNES_CONVERGED_ITERATING;
@@ -266,7 +260,7 @@ PetscErrorCode MpmFieldsExcess(MpmSolver *solver, Vec x, Vec f, PetscReal *exces
 
 PetscBool MpmSolverHasContact(const MpmSolver *solver)
 {
-  return solver->disc->contacts->newton.near;
+  return MpmTermsNear(solver->disc->terms, MPM_TERM_CONTACT);
 }
 
 #define ROUGH 1e4 /* times the tolerance */
@@ -345,10 +339,7 @@ static PetscErrorCode IsBalanced(MpmSolver *solver, PetscReal fnorm, PetscBool *
   PetscFunctionBeginUser;
   *balanced = (PetscBool)(solver->cache.rough || solver->cache.balances == BALANCE_MOST);
   if (*balanced) PetscFunctionReturn(PETSC_SUCCESS);
-  if (MpmSolverHasContact(solver)) {
-    PetscCall(MpmContactsAddSquares(disc->contacts, disc->sum, disc->u, &squares));
-    MpmPairsAddSquares(disc->pairs, disc->sum, disc->u, &squares);
-  }
+  if (MpmSolverHasContact(solver)) PetscCall(MpmTermsAddSquares(disc->terms, disc->sum, disc->u, &squares));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &squares, 1, MPIU_REAL, MPIU_SUM, disc->comm));
   *balanced = (PetscBool)(!(squares > 0.) || fnorm <= BALANCE * PetscSqrtReal(squares));
   if (!*balanced) solver->cache.balances++;
@@ -387,10 +378,9 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
     PetscCall(IsBalanced(solver, fnorm, &balanced));
     if (!balanced) *reason = SNES_CONVERGED_ITERATING;
   }
-  if (*reason > 0 && (solver->disc->contacts->newton.holds || solver->disc->pairs->holds))
-    *reason = SNES_CONVERGED_ITERATING;
+  if (*reason > 0 && MpmTermsHold(solver->disc->terms)) *reason = SNES_CONVERGED_ITERATING;
   if (!it) solver->cache.imbalance = PETSC_INFINITY;
-  if (solver->disc->contacts->bodies) PetscCall(TestBodies(snes, solver, reason));
+  if (MpmTermsTraits(solver->disc->terms) & MPM_TERM_UNKNOWNS) PetscCall(TestBodies(snes, solver, reason));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

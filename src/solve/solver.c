@@ -10,10 +10,7 @@
 #include "space/space.h"
 #include "bc/bc.h"
 #include "assembly/sparsity.h"
-#include "contact/body_contact.h"
-#include "contact/contact.h"
-#include "contact/contact.h"
-#include "contact/rigid_body.h"
+#include "assembly/terms.h"
 #include "problem/discretization.h"
 #include "solve/pc_band.h"
 #include "solve/solve.h"
@@ -312,13 +309,10 @@ static PetscErrorCode CheckSuits(const MpmSolver *solver)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Can it be told by forces that nothing touches? Not where a boundary holds. */
+/* Do forces show whether anything touches? Not where a boundary holds. */
 static PetscBool ServesAtRest(const MpmSolver *solver)
 {
-  const MpmContacts *contacts = solver->disc->contacts;
-
-  for (PetscInt k = 0; k < contacts->boundary_count; k++)
-    if (contacts->boundaries[k].bilateral) return PETSC_FALSE;
+  if (MpmTermsTraits(solver->disc->terms) & MPM_TERM_BILATERAL) return PETSC_FALSE;
   return (PetscBool)(solver->symmetric && !solver->disc->layout->saddle &&
                      solver->jacobian_type != MPM_JACOBIAN_MATFREE);
 }
@@ -332,7 +326,7 @@ static PetscBool ServesAtRest(const MpmSolver *solver)
 
 PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns, PetscBool inertia)
 {
-  const PetscBool contacts = (PetscBool)(solver->disc->contacts->boundary_count || solver->disc->parts > 1);
+  const PetscBool contacts = (PetscBool)((MpmTermsTraits(solver->disc->terms) & MPM_TERM_CONTACT) > 0);
   const char     *name     = solver->name;
   PetscBool       direct;
 
@@ -492,9 +486,8 @@ PetscErrorCode MpmSolverMindContact(MpmSolver *solver, PetscBool begins)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (at_rest->touched) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmContactsAddSquares(solver->disc->contacts, solver->disc->sum, solver->disc->u, &squares));
-  MpmPairsAddSquares(solver->disc->pairs, solver->disc->sum, solver->disc->u, &squares);
-  at_rest->touched = (PetscBool)(squares > 0. || solver->disc->contacts->newton.holds || solver->disc->pairs->holds);
+  PetscCall(MpmTermsAddSquares(solver->disc->terms, solver->disc->sum, solver->disc->u, &squares));
+  at_rest->touched = (PetscBool)(squares > 0. || MpmTermsHold(solver->disc->terms));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &at_rest->touched, 1, MPM_MPI_BOOL, MPI_LOR, solver->disc->comm));
   if (at_rest->touched) MpmDatabaseCall(solver->database, Switch(solver, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -557,25 +550,19 @@ static void SetMode(const MpmLayout *layout, PetscInt k, const PetscReal x[], Pe
     if (layout->near_null[c] == MPM_NEAR_NULL_CONSTANT && at++ == k) mode[c] = 1.;
 }
 
-/* The same mode of the free bodies, at their own nodes. */
-static void SetBodyModes(const MpmSolver *solver, PetscInt k, PetscScalar values[])
+/* The same mode at the terms' own nodes. */
+static void SetOwnModes(const MpmSolver *solver, PetscInt k, PetscScalar values[])
 {
-  const MpmContacts *contacts = solver->disc->contacts;
-  const MpmSpace    *space    = solver->disc->space;
-  const PetscInt     dim = solver->disc->dim, bs = solver->disc->block;
-  PetscReal          along[3] = {0., 0., 0.}, turn[3] = {0., 0., 0.}, mode[2][3];
+  const MpmSpace *space = solver->disc->space;
+  const PetscInt  dim = solver->disc->dim, bs = solver->disc->block;
+  PetscReal       along[3] = {0., 0., 0.}, turn[3] = {0., 0., 0.};
 
   if (k < dim) along[k] = 1.;
   else turn[dim == 2 ? 2 : (k - dim) % 3] = 1.;
   for (PetscInt i = space->extra.begin; i < PetscMin(space->owned, space->extra.begin + space->extra.count); i++)
     for (PetscInt c = 0; c < bs; c++) values[i * bs + c] = 0.;
   if (solver->disc->layout->near_null[0] != MPM_NEAR_NULL_RIGID || k >= (dim == 2 ? 3 : 6)) return;
-  for (PetscInt b = 0; b < contacts->boundary_count && space->extra.begin < space->owned; b++) {
-    if (!contacts->bodies[b].freedom) continue;
-    MpmRigidMode(&contacts->bodies[b], solver->disc->grid->lower, along, turn, mode);
-    for (PetscInt n = 0; n < 2; n++)
-      for (PetscInt a = 0; a < dim; a++) values[(contacts->bodies[b].node + n) * bs + a] = mode[n][a];
-  }
+  MpmTermsMode(solver->disc->terms, solver->disc->sum, solver->disc->grid->lower, along, turn, values);
 }
 
 /*
@@ -611,7 +598,7 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
       for (PetscInt a = 0; a < dim; a++) x[a] = solver->disc->grid->h[a] * (PetscReal)at[a];
       SetMode(layout, k, x, &values[i * bs]);
     }
-    if (solver->disc->contacts->bodies) SetBodyModes(solver, k, values);
+    if (solver->disc->space->extra.count) SetOwnModes(solver, k, values);
     MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, values);
     MpmConstraintsZero(solver->disc->constraints, solver->disc->space->owned * bs, values);
     PetscCall(VecRestoreArray(mode[kept], &values));
@@ -706,12 +693,10 @@ static PetscErrorCode Newton(MpmSolver *solver, SNESConvergedReason *reason)
     solver->cache.solving = solver->cache.ahead = PETSC_TRUE;
     if (MpmSolverHasContact(solver)) {
       PetscCall(MpmGatherSolution(solver, solver->x));
-      PetscCall(MpmContactsBegin(solver->disc->contacts, solver->disc->sum, solver->disc->u, solver->careful));
-      PetscCall(MpmPairsBegin(solver->disc->pairs, solver->disc->sum, solver->disc->u));
+      PetscCall(MpmTermsNewtonBegin(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->careful));
     }
     PetscCall(SNESSolve(solver->snes, NULL, solver->x));
-    MpmContactsEnd(solver->disc->contacts);
-    MpmPairsEnd(solver->disc->pairs);
+    MpmTermsNewtonEnd(solver->disc->terms);
     solver->cache.solving = PETSC_FALSE;
     PetscCall(SNESGetConvergedReason(solver->snes, reason));
     PetscCall(SNESGetIterationNumber(solver->snes, &newton));

@@ -25,11 +25,7 @@
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "assembly/terms.h"
-#include "volume/damping.h"
 #include "volume/inertia.h"
-#include "contact/body_contact.h"
-#include "contact/contact.h"
-#include "contact/rigid_body.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "step/energy.h"
@@ -70,7 +66,7 @@ static PetscErrorCode Measure(MpmModel model, PetscReal energy[2])
   energy[1] = BY_DIM(Elastic, model->disc.dim, model, &points);
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, energy, 2, MPIU_REAL, MPIU_SUM, model->comm));
-  energy[0] += MpmRigidKinetic(model->scene.boundaries->count, model->scene.boundaries->at, model->state.placements);
+  energy[0] += MpmTermsKinetic(model->disc.terms);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -171,32 +167,13 @@ static const PetscReal *At(const MpmStepWork *step)
   return step->at ? step->at : step->u;
 }
 
-/* Work that the terms of one entry of the account take from the material. */
-static PetscErrorCode TakenBy(const MpmModel model, MpmAccount account, const MpmStepWork *step, PetscReal *work)
-{
-  const MpmTerms *terms  = model->disc.terms;
-  const PetscInt  local  = step->local;
-  PetscInt        failed = 0;
-  PetscReal      *force;
-
-  PetscFunctionBeginUser;
-  *work = 0.;
-  for (PetscInt k = 0; k < terms->count; k++) {
-    if (terms->term[k]->account != account || MpmTermsIdle(terms, k)) continue;
-    PetscCall(PetscCalloc1((local * model->disc.block), &force));
-    PetscCall(terms->term[k]->residual(terms->ctx[k], model->disc.sum, At(step), force, &failed));
-    *work += Work(model, local, force, Kick(step));
-    PetscCall(PetscFree(force));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
 {
   const PetscInt  local  = work->local;
   const PetscReal part   = work->kick ? work->part : 1.;
   MpmEnergy      *energy = &model->state.scheme.energy;
-  PetscReal       sum[3] = {0., 0., 0.}, taken, material = 0., boundary = 0., pushed;
+  PetscReal       sum[3] = {0., 0., 0.};
+  MpmTermWork     terms;
 
   PetscFunctionBeginUser;
   if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
@@ -205,14 +182,9 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
   if (!work->unstrained) sum[0] = BY_DIM(Internal, model->disc.dim, model);
   if (work->loads) sum[1] = Work(model, local, work->loads, work->u);
   sum[1] += part * Work(model, work->owned, work->supports, Kick(work));
-  PetscCall(TakenBy(model, MPM_ACCOUNT_EXTERNAL, work, &taken));
-  sum[1] -= part * taken;
-  PetscCall(MpmContactsWork(model->disc.contacts, model->disc.sum, At(work), Kick(work), &material, &boundary));
-  pushed = MpmRigidPushWork(model->disc.contacts, model->disc.sum, Kick(work));
-  sum[1] += part * (boundary + pushed);
-  sum[2] += part * (work->taken + boundary - material + pushed);
-  PetscCall(TakenBy(model, MPM_ACCOUNT_DISSIPATED, work, &taken));
-  sum[2] += part * taken;
+  PetscCall(MpmTermsWork(model->disc.terms, model->disc.sum, At(work), Kick(work), &terms));
+  sum[1] += part * terms.external;
+  sum[2] += part * (work->taken + terms.dissipated);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, model->comm));
   energy->internal += sum[0];
   energy->external += sum[1];
@@ -259,10 +231,8 @@ PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report)
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(
     MPIU_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)PETSC_STATIC_ARRAY_LENGTH(sum), MPIU_REAL, MPIU_SUM, model->comm));
-  *report            = (MpmEnergyReport){.kinetic  = sum[0] + MpmRigidKinetic(model->scene.boundaries->count,
-                                                                              model->scene.boundaries->at, model->state.placements),
-                                         .elastic  = sum[1],
-                                         .external = energy->external};
+  *report = (MpmEnergyReport){
+    .kinetic = sum[0] + MpmTermsKinetic(model->disc.terms), .elastic = sum[1], .external = energy->external};
   report->dissipated = energy->dissipated + energy->internal - (sum[1] - energy->elastic);
   report->balance    = report->kinetic + report->elastic + report->dissipated - report->external - energy->start;
   PetscCall(PetscArraycpy(report->momentum, &sum[2], MPM_MAX_DIM));

@@ -20,8 +20,8 @@
 #include "space/sum.h"
 #include "bc/body_motion.h"
 #include "rigid/rigid.h"
+#include "rigid/rigid_motion.h"
 #include "contact/contact.h"
-#include "contact/rigid_body.h"
 #include "query/model.h"
 #include "scene/stage_lists.h"
 #include "step/moving_grid.h"
@@ -223,14 +223,9 @@ static void BoundaryPlace(const MpmModel model, PetscReal time, const PetscReal 
   const MpmBoundary *boundary  = &model->scene.boundaries->at[b];
   const MpmPose      pose      = MpmBoundaryPose(boundary, time);
   MpmPlacement       placement = model->state.placements[b];
-  MpmRigidIncrement  q;
 
-  if (u && boundary->freedom) {
-    MpmRigidIncrementAt(MpmContactsBody(model->disc.contacts, b), model->disc.block, u, &q);
-    MpmRigidMove(&q, &placement);
-  }
-  MpmSolidMiddle(&boundary->solid, place);
-  MpmRigidCarry(boundary, &pose, &placement, place);
+  if (u) MpmBoundaryAdvance(model->disc.contacts, b, model->disc.block, u, &placement);
+  MpmBoundaryMiddle(boundary, &pose, &placement, place);
 }
 
 /* The field of the points that are followed. */

@@ -63,8 +63,6 @@ PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict);
 
 /* The start of Newton, and the residual that its tolerance refers to. */
 PetscErrorCode MpmStepPredict(MpmModel model);
-/* May any contact slide: has it friction, and does it not stick? */
-PetscBool MpmContactsMaySlide(const MpmModel model);
 /* Newton's method. */
 PetscErrorCode MpmStepSolve(MpmModel model, MpmOutcome *outcome);
 

@@ -10,8 +10,6 @@
 #include "bc/body_motion.h"
 #include "assembly/terms.h"
 #include "volume/damping.h"
-#include "contact/body_contact.h"
-#include "contact/contact.h"
 #include "loads/body_surface.h"
 #include "loads/load.h"
 #include "query/model.h"
@@ -68,22 +66,6 @@ static MpmRules Rules(MpmModel model, PetscReal time)
   return rules;
 }
 
-/* Is any contact near enough to act in this step, on any rank? Collective. */
-static PetscErrorCode FindNear(MpmModel model)
-{
-  MpmContacts *contacts = model->disc.contacts;
-  PetscBool   *near     = &contacts->newton.near;
-  PetscMPIInt  size;
-
-  PetscFunctionBeginUser;
-  *near = (PetscBool)(contacts->patch_count || model->disc.pairs->patch_count);
-  if (!model->scene.boundaries->count && !model->scene.pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_size(model->comm, &size));
-  if (size > 1) PetscCall(MPIU_Allreduce(MPI_IN_PLACE, near, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
-  model->disc.pairs->near = *near;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* What does not depend on the step's length: arrays, space, pattern, solver. */
 static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, MpmOutcome *outcome)
 {
@@ -95,7 +77,6 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, MpmOut
   model->disc.committed = PETSC_FALSE;
   PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
   PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, outcome));
-  PetscCall(FindNear(model));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   const PetscInt count = model->disc.space->point_count;
 

@@ -4,9 +4,7 @@
 #include "base/newton_reason.h"
 #include "point/layout.h"
 #include "grid/grid.h"
-#include "contact/body_contact.h"
-#include "contact/contact.h"
-#include "contact/rigid_body.h"
+#include "assembly/terms.h"
 #include "query/model.h"
 #include "step/step.h"
 
@@ -64,30 +62,19 @@ static PetscErrorCode TryAll(MpmModel model, SNESConvergedReason *reason)
 
 #define GIVE 64. /* what may slide gives by so many times as much, in the last attempts at a step that was cut */
 
-PetscBool MpmContactsMaySlide(const MpmModel model)
-{
-  const MpmBoundaries *boundaries = model->scene.boundaries;
-  const MpmPairs      *pairs      = model->scene.pairs;
-
-  for (PetscInt k = 0; k < boundaries->count; k++)
-    if (boundaries->at[k].tangential && !boundaries->at[k].stick) return PETSC_TRUE;
-  for (PetscInt k = 0; k < pairs->count; k++)
-    if (pairs->at[k].tangential && !pairs->at[k].stick) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /*
   All attempts. Where friction is low, what sticks is stiff over a slip so small that Newton's method throws it from sliding one way to sliding
   the other, however short the step: one that was cut is tried once more with contacts that give before they slide.
 */
 static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
 {
+  const PetscBool slides = (PetscBool)((MpmTermsTraits(model->disc.terms) & MPM_TERM_SLIDES) > 0);
+
   PetscFunctionBeginUser;
   model->solver.newton = model->solver.linear = 0;
   PetscCall(TryAll(model, reason));
-  if (*reason >= 0 || !model->state.cuts || !MpmContactsMaySlide(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmContactsGive(model->disc.contacts, GIVE);
-  MpmPairsGive(model->disc.pairs, GIVE);
+  if (*reason >= 0 || !model->state.cuts || !slides) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmTermsSoften(model->disc.terms, GIVE);
   model->solver.cache.predicted = PETSC_FALSE;
   PetscCall(MpmStepStart(model, PETSC_FALSE));
   PetscCall(TryAll(model, reason));
@@ -97,26 +84,19 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
 #define TRUST 0.1 /* of the residual at rest: where bodies may slide or part, a prediction that leaves more is none */
 
 /*
-  May any body slide on another that is near? What sticks now may slide in the next step. Or may they part where no energy tells how to
-  close them again? Collective.
+  May any body slide on another that is near? What sticks now may slide in the next step. Bodies may also part where no energy
+  closes them again.
 */
-static PetscErrorCode Rubs(const MpmModel model, PetscBool *rubs)
+static PetscBool Rubs(const MpmModel model)
 {
-  const MpmPairs *pairs = model->scene.pairs;
+  const unsigned traits = model->disc.layout->saddle ? MPM_TERM_BETWEEN : MPM_TERM_BETWEEN | MPM_TERM_RUBS;
 
-  PetscFunctionBeginUser;
-  *rubs = (PetscBool)(pairs->count && model->disc.layout->saddle);
-  for (PetscInt k = 0; k < pairs->count; k++) *rubs = (PetscBool)(*rubs || pairs->at[k].tangential);
-  if (!*rubs) PetscFunctionReturn(PETSC_SUCCESS);
-  *rubs = (PetscBool)(model->disc.pairs->patch_count > 0);
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, rubs, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return MpmTermsNear(model->disc.terms, traits);
 }
 
 PetscErrorCode MpmStepPredict(MpmModel model)
 {
   PetscReal norm;
-  PetscBool rubs;
 
   PetscFunctionBeginUser;
   model->solver.cache.reference = 0.;
@@ -129,8 +109,7 @@ PetscErrorCode MpmStepPredict(MpmModel model)
   PetscCall(MpmStepFindReference(model));
   PetscCall(MpmStepStart(model, PETSC_TRUE));
   PetscCall(MpmRelaxBodies(&model->solver, NULL, model->solver.x));
-  PetscCall(Rubs(model, &rubs));
-  if (!rubs) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!Rubs(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
   PetscCall(VecNorm(model->solver.f, NORM_2, &norm));
   if (norm <= TRUST * model->solver.cache.reference) PetscFunctionReturn(PETSC_SUCCESS);
@@ -142,31 +121,19 @@ PetscErrorCode MpmStepPredict(MpmModel model)
 #define AUGMENTATIONS 40  /* of one step */
 #define NEARLY        30. /* times the depth that is wanted: the next correction should be the last */
 
-/* Does any contact have the method augmented? */
-static PetscBool Augments(const MpmModel model)
-{
-  for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
-    if (model->scene.boundaries->at[k].augmented) return PETSC_TRUE;
-  for (PetscInt k = 0; k < model->scene.pairs->count; k++)
-    if (model->scene.pairs->at[k].augmented) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /*
-  The pressures of boundaries and pairs with method augmented, corrected between solutions until what touches has no depth. Only then need
-  these be exact.
+  The multipliers of augmented terms, corrected between solutions until their constraints are met. Only then need these be exact.
 */
 static PetscErrorCode Augment(MpmModel model, SNESConvergedReason *reason)
 {
   MpmEvaluations *cache = &model->solver.cache;
-  PetscReal       worst = PETSC_INFINITY, pairs;
+  PetscReal       excess;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < AUGMENTATIONS && *reason >= 0; k++) {
-    PetscCall(MpmContactsAugment(model->disc.contacts, model->disc.sum, model->disc.u, &worst));
-    PetscCall(MpmPairsAugment(model->disc.pairs, model->disc.sum, model->disc.u, &pairs));
-    if (PetscMax(worst, pairs) <= 1. && !cache->rough) PetscFunctionReturn(PETSC_SUCCESS);
-    cache->rough = (PetscBool)(PetscMax(worst, pairs) > NEARLY);
+    PetscCall(MpmTermsAugment(model->disc.terms, model->disc.sum, model->disc.u, (PetscBool)!k, &excess));
+    if (excess <= 1. && !cache->rough) PetscFunctionReturn(PETSC_SUCCESS);
+    cache->rough = (PetscBool)(excess > NEARLY);
     PetscCall(MpmSolverSolve(&model->solver, reason));
   }
   if (*reason >= 0) *reason = SNES_DIVERGED_MAX_IT;
@@ -180,7 +147,7 @@ PetscErrorCode MpmStepSolve(MpmModel model, MpmOutcome *outcome)
 
   PetscFunctionBeginUser;
   MpmOutcomeClear(outcome);
-  model->solver.cache.rough = Augments(model);
+  model->solver.cache.rough = (PetscBool)((MpmTermsTraits(model->disc.terms) & MPM_TERM_AUGMENTED) > 0);
   PetscCall(Solve(model, &reason));
   PetscCall(Augment(model, &reason));
   model->solver.cache.rough = PETSC_FALSE;
@@ -196,7 +163,7 @@ PetscErrorCode MpmStepSolve(MpmModel model, MpmOutcome *outcome)
   PetscCall(MpmStabilityCheck(&model->solver, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   outcome->retryable = PETSC_TRUE;
-  if (MpmRigidStray(model->disc.contacts, model->disc.block, model->disc.u) >= 0)
+  if (MpmTermsStray(model->disc.terms, model->disc.sum, model->disc.u))
     PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
                              "a free boundary moved by more than its contacts were looked for"));
   else PetscCall(MpmStepFindLost(model, outcome));

@@ -9,7 +9,6 @@
 #include "space/sum.h"
 #include "bc/body_motion.h"
 #include "assembly/terms.h"
-#include "contact/rigid_body.h"
 #include "loads/body_surface.h"
 #include "problem/section.h"
 #include "query/model.h"
@@ -105,8 +104,7 @@ PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict)
   PetscCall(VecGetArray(model->solver.x, &x));
   PetscCall(ProjectRates(model, x));
   if (predict) PetscCall(Predict(model, x));
-  MpmRigidGuess(model->disc.contacts, model->disc.space, model->disc.block,
-                predict ? model->disc.sum->span / model->state.dt_last : 0., x);
+  MpmTermsGuess(model->disc.terms, model->disc.sum, predict ? model->disc.sum->span / model->state.dt_last : 0., x);
   MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.space->owned, x);
   MpmUnitsOver(model->disc.constraints, n, x);
   MpmConstraintsPrescribe(model->disc.constraints, n, x);
@@ -114,20 +112,16 @@ PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The solver and the start of Newton; what free bodies, and bodies in contact, may touch is part of the sparsity. */
+/* The solver and the start of Newton; what terms couple with nodes of their own is part of the sparsity. */
 static PetscErrorCode PrepareSolver(MpmModel model, PetscBool again, MpmOutcome *outcome)
 {
-  const PetscBool links = (PetscBool)(model->disc.contacts->bodies || model->disc.parts > 1);
-  char            text[MPM_OUTCOME_TEXT];
+  PetscBool links;
 
   PetscFunctionBeginUser;
-  if (links) PetscCall(MpmTermsLink(model->disc.terms, model->disc.space));
+  PetscCall(MpmTermsLink(model->disc.terms, model->disc.space, &links));
   if (!again || links) PetscCall(MpmSolverSetUp(&model->solver));
   PetscCall(MpmStepStart(model, PETSC_FALSE));
-  if (model->disc.contacts->bodies && model->disc.contacts->adrift >= 0) {
-    PetscCall(MpmRigidDescribeDrift(model->disc.contacts, model->disc.contacts->adrift, sizeof(text), text));
-    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_UNCONSTRAINED, "%s", text));
-  }
+  PetscCall(MpmTermsRefuse(model->disc.terms, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -17,9 +17,9 @@
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "volume/inertia.h"
+#include "assembly/terms.h"
 #include "contact/body_contact.h"
 #include "contact/contact.h"
-#include "contact/rigid_body.h"
 #include "query/model.h"
 #include "step/step.h"
 
@@ -452,24 +452,6 @@ PetscErrorCode MpmUnconstrainedIsPushed(MpmModel model, PetscBool *pushed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A rigid body that goes on turning or sliding in its contacts. */
-static PetscErrorCode ExplainBodies(MpmModel model, MpmOutcome *outcome)
-{
-  const MpmContacts *contacts = model->disc.contacts;
-  PetscInt           b, component;
-  PetscBool          held;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmRigidUnheld(contacts, model->disc.sum, model->disc.u, &b, &component, &held));
-  if (b < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_UNCONSTRAINED,
-                           "its contacts do not hold boundary %s against %s %c (%s)", contacts->boundaries[b].name,
-                           component < 3 ? "translation along" : "rotation about",
-                           model->disc.dim == 2 && component > 2 ? 'z' : "xyz"[component % 3], outcome -> text));
-  outcome->retryable = (PetscBool)(outcome->retryable && held);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmUnconstrainedExplain(MpmModel model, MpmOutcome *outcome)
 {
   Pieces   pieces;
@@ -495,7 +477,7 @@ PetscErrorCode MpmUnconstrainedExplain(MpmModel model, MpmOutcome *outcome)
     }
     PetscCall(Forget(&pieces));
   }
-  if (!text) PetscCall(ExplainBodies(model, outcome));
+  if (!text) PetscCall(MpmTermsUnheld(model->disc.terms, model->disc.sum, model->disc.u, outcome));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

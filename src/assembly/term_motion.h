@@ -1,0 +1,51 @@
+#pragma once
+/*
+  Motion as terms take part in it: masses beside the points', explicit steps, and the account of energy.
+*/
+#include "base/base.h"
+#include "base/types.h"
+
+/*
+  Optional operations of a term in steps with inertia; arrays at the local nodes, `dim` values each.
+
+  rest     velocities and accelerations of the term's own unknowns become 0
+  lend     masses, kg, velocities and accelerations of the term's own nodes
+  take     new velocities and accelerations of these nodes; NULL: unchanged
+  kinetic  kinetic energy of the term's own masses, J; the same on all ranks
+  turn     a step whose forces balance at `part` of it: corrections by the nodes' velocities v at its start, m/s
+  limit    stiffness bound of an explicit step dt, by the masses of the nodes, kg. Collective
+  arrive   displacements in which an explicit step ends, its forces having acted at others; NULL: none
+*/
+typedef struct MpmTermMotion {
+  void (*rest)(void *ctx);
+  void (*lend)(const void *ctx, PetscReal mass[], PetscReal velocity[], PetscReal acceleration[]);
+  void (*take)(void *ctx, const PetscReal velocity[], const PetscReal acceleration[]);
+  PetscReal (*kinetic)(const void *ctx);
+  PetscErrorCode (*turn)(void *ctx, const MpmSum *sum, const PetscReal v[], PetscReal part);
+  PetscErrorCode (*limit)(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
+  void (*arrive)(void *ctx, const PetscReal u[]);
+} MpmTermMotion;
+
+/* Entries of the account of energy. */
+typedef enum {
+  MPM_ACCOUNT_NONE,      /* internal or kinetic energy, or work that the term reports by itself */
+  MPM_ACCOUNT_EXTERNAL,  /* work from outside, with opposite sign */
+  MPM_ACCOUNT_DISSIPATED /* heat */
+} MpmAccount;
+
+/* Their work in a step, J, this rank's part. */
+typedef struct MpmTermWork {
+  PetscReal external, dissipated;
+} MpmTermWork;
+
+/* These operations of all terms; kinetic energy and work are sums (term_motion.c). */
+void           MpmTermsRest(const MpmTerms *terms);
+void           MpmTermsLend(const MpmTerms *terms, PetscReal mass[], PetscReal velocity[], PetscReal acceleration[]);
+void           MpmTermsTake(const MpmTerms *terms, const PetscReal velocity[], const PetscReal acceleration[]);
+PetscReal      MpmTermsKinetic(const MpmTerms *terms);
+PetscErrorCode MpmTermsTurn(const MpmTerms *terms, const MpmSum *sum, const PetscReal v[], PetscReal part);
+PetscErrorCode MpmTermsLimit(const MpmTerms *terms, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
+void           MpmTermsArrive(const MpmTerms *terms, const PetscReal u[]);
+/* Work in the displacement u of the forces at `at`. */
+PetscErrorCode MpmTermsWork(const MpmTerms *terms, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
+                            MpmTermWork *work);

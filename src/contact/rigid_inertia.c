@@ -1,0 +1,85 @@
+/*
+  Rigid bodies with a mass: velocities and accelerations of their two extra nodes, and their kinetic energy.
+
+  A body's mass stands at the node of its translation, its moment of inertia over the square of its size at that of its rotation.
+*/
+#include "contact/contact.h"
+#include "contact/rigid_body.h"
+
+void MpmRigidLend(const void *ctx, PetscReal mass[], PetscReal velocity[], PetscReal acceleration[])
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
+    const MpmRigidBody *body = &contacts->bodies[b];
+    const PetscInt      dim  = body->dim;
+
+    if (!body->freedom || !(body->freedom->mass > 0.)) continue;
+    mass[body->node]     = body->freedom->mass;
+    mass[body->node + 1] = body->freedom->inertia / PetscSqr(body->freedom->size);
+    for (PetscInt n = 0; n < 2; n++) {
+      for (PetscInt a = 0; a < dim; a++) {
+        velocity[(body->node + n) * dim + a]     = body->placement->velocity[3 * n + a];
+        acceleration[(body->node + n) * dim + a] = body->placement->acceleration[3 * n + a];
+      }
+    }
+  }
+}
+
+/* Six numbers of a body from its two nodes; what is not free stays 0. */
+static void FromNodes(const MpmRigidBody *body, const PetscReal nodal[], PetscReal values[])
+{
+  for (PetscInt n = 0; n < 2; n++)
+    for (PetscInt a = 0; a < body->dim; a++)
+      values[3 * n + a] = body->freedom->free[n] >> a & 1 ? nodal[(body->node + n) * body->dim + a] : 0.;
+}
+
+void MpmRigidTake(void *ctx, const PetscReal velocity[], const PetscReal acceleration[])
+{
+  MpmContacts *contacts = (MpmContacts *)ctx;
+
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
+    const MpmRigidBody *body = &contacts->bodies[b];
+
+    if (!body->freedom || !(body->freedom->mass > 0.)) continue;
+    if (velocity) FromNodes(body, velocity, body->placement->velocity);
+    if (acceleration) FromNodes(body, acceleration, body->placement->acceleration);
+  }
+}
+
+void MpmRigidRest(void *ctx)
+{
+  MpmContacts *contacts = (MpmContacts *)ctx;
+
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
+    MpmPlacement *placement = contacts->bodies[b].placement;
+
+    if (!placement) continue;
+    for (PetscInt k = 0; k < 6; k++) placement->velocity[k] = placement->acceleration[k] = 0.;
+  }
+}
+
+void MpmRigidStart(PetscInt count, const MpmBoundary boundaries[], MpmPlacement placements[])
+{
+  for (PetscInt b = 0; b < count; b++) {
+    placements[b].turn[0] = 1.;
+    for (PetscInt a = 0; boundaries[b].freedom && a < boundaries[b].dim; a++)
+      placements[b].velocity[a] = boundaries[b].freedom->velocity[a];
+  }
+}
+
+PetscReal MpmRigidKinetic(const void *ctx)
+{
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  PetscReal          kinetic  = 0.;
+
+  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
+    const MpmFreedom *freedom = contacts->bodies[b].freedom;
+
+    if (!freedom || !(freedom->mass > 0.)) continue;
+    for (PetscInt k = 0; k < 6; k++)
+      kinetic += 0.5 * (k < 3 ? freedom->mass : freedom->inertia / PetscSqr(freedom->size)) *
+                 PetscSqr(contacts->bodies[b].placement->velocity[k]);
+  }
+  return kinetic;
+}
