@@ -404,7 +404,12 @@ void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGro
   const PetscInt        n = group->node_count, bs = pattern->block;
   const PetscInt       *nodes = &space->group_nodes[group->node_offset];
   PetscInt              offset[MPM_MAX_WIDTH * MPM_MAX_WIDTH * MPM_MAX_WIDTH];
-  const PetscInt        center = WindowOffsets(pattern, group, offset);
+
+  if (pattern->action) {
+    MpmElementActNodes(pattern->action, bs, n, nodes, element);
+    return;
+  }
+  const PetscInt center = WindowOffsets(pattern, group, offset);
 
   MpmFramesRotateElement(constraints, bs, n, nodes, element);
   if (group->holes) {
@@ -443,6 +448,10 @@ void MpmPatternAddNodes(MpmPattern *pattern, const MpmSpace *space, PetscInt n, 
   const MpmConstraints *constraints = pattern->constraints;
   const PetscInt        bs          = pattern->block;
 
+  if (pattern->action) {
+    MpmElementActNodes(pattern->action, bs, n, nodes, element);
+    return;
+  }
   MpmFramesRotateElement(constraints, bs, n, nodes, element);
   for (PetscInt i = 0; i < n; i++) {
     if (nodes[i] < 0) continue;
@@ -507,7 +516,12 @@ void MpmPatternAddPair(MpmPattern *pattern, const MpmSpace *space, const MpmGrou
   const PetscInt        n = box->node_count, bs = pattern->block;
   const PetscInt       *nodes = &space->group_nodes[box->node_offset];
   PetscInt              offset[MPM_MAX_WIDTH * MPM_MAX_WIDTH * MPM_MAX_WIDTH], end;
-  const PetscInt        center = WindowOffsets(pattern, box, offset);
+
+  if (pattern->action) {
+    MpmElementActPair(pattern->action, bs, n, nodes, a, b, c);
+    return;
+  }
+  const PetscInt center = WindowOffsets(pattern, box, offset);
 
   MpmFramesRotateVector(constraints, bs, n, nodes, a);
   MpmFramesRotateVector(constraints, bs, n, nodes, b);

@@ -7,6 +7,16 @@
 #include "base/types.h"
 
 /*
+  What stands in place of the matrix's values (element_action.c): products of the blocks with x, or of their transposes, added to y, and
+  diagonal blocks, block^2 values a node; NULL: none. Arrays at the local nodes.
+*/
+typedef struct {
+  const PetscReal *x;
+  PetscReal       *y, *blocks;
+  PetscBool        transposed;
+} MpmElementAction;
+
+/*
   The sparsity pattern, in node blocks, and where this rank's contributions go: rows of owned nodes hold what any rank
   adds to them; rows of ghosts hold this rank's part only. Columns are global node numbers, ascending. A row stands in
   the matrix's own array, or, where its columns are not all this rank's, in a buffer with the same order.
@@ -26,7 +36,8 @@ typedef struct MpmPattern {
   PetscInt64   buffer_size;
   PetscBool    coordinates; /* all rows are in the buffer, and the matrix takes them as coordinates and values */
   PetscScalar *array;       /* the matrix's, lent between Begin and End; NULL: all rows are in the buffer */
-  const MpmConstraints *constraints; /* whose unknowns are left out, between Begin and End */
+  const MpmConstraints   *constraints; /* whose unknowns are left out, between Begin and End */
+  const MpmElementAction *action;      /* NULL: blocks go to the matrix */
 } MpmPattern;
 
 /* The pattern of a space, in place of the last one's; `changed`: the rank's rows or columns are others. */

@@ -239,7 +239,6 @@ PetscErrorCode MpmTermsDiagonal(const MpmTerms *terms, const MpmSum *sum, const 
   PetscFunctionBeginUser;
   *failed = 0;
   PetscCall(PetscArrayzero(blocks, sum->space->local * sum->block * sum->block));
-  for (PetscInt k = 0; k < terms->count; k++)
-    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->diagonal(terms->ctx[k], sum, u, blocks, failed));
+  for (PetscInt k = 0; k < terms->count; k++) PetscCall(MpmTermsDiagonalOne(terms, k, sum, u, blocks, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -48,8 +48,9 @@ struct MpmTermStep {
   prepare   what the term needs of the step, once the space is there
   residual  residual += term(u)
   tangent   element blocks of d term / d u into the pattern; where `residual` is not NULL it also does what residual() does
-  apply     y += (d term / d u) du; NULL for the points, whose action keeps data of its own (MpmAction)
-  diagonal  its diagonal blocks, block^2 values a node
+  apply     y += (d term / d u) du; NULL: from the element blocks of `tangent`, and for the points, whose action keeps
+            data of its own (MpmAction)
+  diagonal  its diagonal blocks, block^2 values a node; NULL: from the element blocks
   link      which boxes are coupled with the term's extra nodes, or with one another, once it is prepared
   stage     what the term keeps of the first of two stages (sdirk.c), which counts `theta` times in what has flowed
   commit    what the term keeps of the converged step
@@ -137,6 +138,16 @@ PetscErrorCode MpmTermsTangent(const MpmTerms *terms, const MpmSum *sum, const P
                                PetscReal residual[], PetscInt *failed);
 PetscErrorCode MpmTermsDiagonal(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
                                 PetscInt *failed);
+/*
+  Of term k alone, added: y += (d term / d u) du, the transposed action y += (d term / d u)^T v, and the diagonal; from its element blocks
+  where it has no form of its own (element_action.c). The points' action is MpmAction's.
+*/
+PetscErrorCode MpmTermsApplyOne(const MpmTerms *terms, PetscInt k, const MpmSum *sum, const PetscReal u[],
+                                const PetscReal du[], PetscReal y[]);
+PetscErrorCode MpmTermsTransposeOne(const MpmTerms *terms, PetscInt k, const MpmSum *sum, const PetscReal u[],
+                                    const PetscReal v[], PetscReal y[]);
+PetscErrorCode MpmTermsDiagonalOne(const MpmTerms *terms, PetscInt k, const MpmSum *sum, const PetscReal u[],
+                                   PetscReal blocks[], PetscInt *failed);
 /* The tangents of all but the points, for forms of the Jacobian that take the points in a way of their own. */
 PetscErrorCode MpmTermsTangentRest(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
                                    PetscInt *failed);

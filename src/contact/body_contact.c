@@ -136,37 +136,6 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
-                               PetscInt *failed)
-{
-  const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
-  const PetscInt         bs       = sum->block;
-
-  PetscFunctionBeginUser;
-  (void)failed;
-  for (PetscInt k = 0; k < 2 * contacts->patch_count; k++) {
-    const MpmPairPatch *patch  = &contacts->patch[k / 2];
-    const MpmGroup     *box    = &sum->space->groups[patch->side[k % 2].box];
-    const PetscInt     *nodes  = &sum->space->group_nodes[box->node_offset];
-    const PetscReal    *weight = &contacts->weight[patch->side[k % 2].weight];
-    PetscReal           w[MPM_PAIR_ROWS];
-    MpmPairAnswer       answer;
-
-    MpmPairRelative(contacts, patch, sum, u, w);
-    MpmPairEvaluate(contacts, patch, sum->space->dim, w, &answer);
-    for (PetscInt i = 0; i < box->node_count; i++) {
-      for (PetscInt cd = 0; weight[i] != 0. && cd < MPM_PAIR_ROWS * MPM_PAIR_ROWS; cd++) {
-        const PetscInt c = cd / MPM_PAIR_ROWS, d = cd % MPM_PAIR_ROWS;
-
-        if (MpmPairActs(patch, sum->space->dim, c) && MpmPairActs(patch, sum->space->dim, d))
-          blocks[(nodes[i] * bs + MpmPairComponent(contacts, c)) * bs + MpmPairComponent(contacts, d)] +=
-            weight[i] * weight[i] * PatchTangent(patch, sum, &answer, c, d);
-      }
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The nodes of both sides, and B: signed weights; returns how many. */
 static PetscInt NodesOf(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum, PetscInt nodes[],
                         PetscReal weight[])
@@ -336,7 +305,6 @@ const MpmTerm MpmTermBodyContact = {.name     = "body contact",
                                     .residual = Residual,
                                     .tangent  = Tangent,
                                     .apply    = Apply,
-                                    .diagonal = Diagonal,
                                     .commit   = Commit,
                                     .put_back = MpmPairsPutBack,
                                     .traits   = Traits,

@@ -347,74 +347,6 @@ static PetscReal ElementAt(const Elements *of, PetscInt i, PetscInt a, PetscInt 
   return of->element[((i * 3 + a) * 3 + c) * of->count + j];
 }
 
-/* Adds what the bodies have without contacts to the blocks of their nodes, or, where these are NULL, times du to y. */
-static void AddOwn(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], const PetscReal du[],
-                   PetscReal y[], PetscReal blocks[])
-{
-  const PetscInt bs = sum->block;
-
-  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
-    const MpmRigidBody *body = MpmContactsBody(contacts, b);
-    PetscReal           block[2][3][3];
-
-    if (!body) continue;
-    OwnBlock(contacts, sum, body, u, block);
-    for (PetscInt n = 0; n < 2; n++) {
-      const PetscInt node = body->node + n;
-
-      for (PetscInt a = 0; a < Components(body, n); a++) {
-        for (PetscInt c = 0; c < Components(body, n); c++) {
-          if (blocks) blocks[(node * bs + a) * bs + c] += block[n][a][c];
-          else y[node * bs + a] += block[n][a][c] * du[node * bs + c];
-        }
-      }
-    }
-  }
-}
-
-static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal u[], const PetscReal du[],
-                            PetscReal y[])
-{
-  const MpmContacts *contacts = (const MpmContacts *)ctx;
-  const PetscInt     bs = sum->block, dim = sum->space->dim;
-  Elements           of;
-
-  PetscFunctionBeginUser;
-  PetscCall(ElementsCreate(contacts, sum, &of));
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    PetscCall(PatchElement(contacts, &contacts->patch[k], sum, u, &of));
-    for (PetscInt i = 0; i < of.count; i++)
-      for (PetscInt j = 0; of.nodes[i] >= 0 && j < of.count; j++)
-        for (PetscInt a = 0; of.nodes[j] >= 0 && a < dim; a++)
-          for (PetscInt c = 0; c < dim; c++)
-            y[of.nodes[i] * bs + a] += ElementAt(&of, i, a, c, j) * du[of.nodes[j] * bs + c];
-  }
-  PetscCall(ElementsDestroy(&of));
-  AddOwn(contacts, sum, u, du, y, NULL);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
-                               PetscInt *failed)
-{
-  const MpmContacts *contacts = (const MpmContacts *)ctx;
-  const PetscInt     bs = sum->block, dim = sum->space->dim;
-  Elements           of;
-
-  PetscFunctionBeginUser;
-  (void)failed;
-  PetscCall(ElementsCreate(contacts, sum, &of));
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    PetscCall(PatchElement(contacts, &contacts->patch[k], sum, u, &of));
-    for (PetscInt i = 0; i < of.count; i++)
-      for (PetscInt a = 0; of.nodes[i] >= 0 && a < dim; a++)
-        for (PetscInt c = 0; c < dim; c++) blocks[(of.nodes[i] * bs + a) * bs + c] += ElementAt(&of, i, a, c, i);
-  }
-  PetscCall(ElementsDestroy(&of));
-  AddOwn(contacts, sum, u, NULL, NULL, blocks);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* What the bodies have without contacts. */
 static PetscErrorCode OwnTangent(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
                                  MpmPattern *pattern)
@@ -548,8 +480,6 @@ const MpmTerm MpmTermRigidBodies = {
   .link     = Link,
   .residual = Residual,
   .tangent  = Tangent,
-  .apply    = Apply,
-  .diagonal = Diagonal,
   .commit   = Commit,
   .traits   = Traits,
   .work     = Work,

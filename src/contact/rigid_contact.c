@@ -247,50 +247,6 @@ static PetscErrorCode FactorsCreate(const MpmContacts *contacts, const MpmSum *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
-                               PetscInt *failed)
-{
-  const MpmContacts *contacts = (const MpmContacts *)ctx;
-  const PetscInt     dim = sum->space->dim, bs = sum->block;
-  MpmPatchWork       work;
-  Factors            factors;
-  PetscInt           most;
-
-  PetscFunctionBeginUser;
-  (void)failed;
-  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmPatchWorkCreate(contacts, &work));
-  PetscCall(FactorsCreate(contacts, sum, &factors, &most));
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    const MpmPatch *patch = &contacts->patch[k];
-    const MpmGroup *box   = &sum->space->groups[patch->box];
-    const PetscInt *nodes = &sum->space->group_nodes[box->node_offset], n = box->node_count;
-    MpmPatchAnswer  answer;
-
-    if (MpmContactsBody(contacts, patch->boundary)) continue;
-    MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
-    if (!answer.any) continue;
-    FactorsOf(contacts, patch, sum, &work, &answer, &factors);
-    for (PetscInt i = 0; i < n; i++) {
-      for (PetscInt cd = 0; nodes[i] >= 0 && cd < dim * dim; cd++) {
-        const PetscInt c = cd / dim, d = cd % dim;
-        PetscReal      value = 0.;
-
-        for (PetscInt m = 0; m <= dim; m++)
-          value += factors.left[(m * n + i) * dim + c] * factors.right[(m * n + i) * dim + d];
-        for (PetscInt f = patch->begin; f < patch->end; f++)
-          if (contacts->facet[f].point >= 0)
-            value +=
-              PetscSqr(MpmFacetWeights(contacts, f)[i]) * MpmFacetStiffness(contacts, patch, f, &work, &answer, c, d);
-        blocks[(nodes[i] * bs + c) * bs + d] += value;
-      }
-    }
-  }
-  PetscCall(PetscFree2(factors.left, factors.right));
-  PetscCall(MpmPatchWorkDestroy(&work));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* element[i][c][d][j], of n^2 block^2 numbers, becomes the patch's tangent. */
 static void Element(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const MpmPatchWork *work,
                     const MpmPatchAnswer *answer, const Factors *factors, PetscReal element[])
@@ -657,7 +613,6 @@ const MpmTerm MpmTermContact = {.name     = "rigid contact",
                                 .residual = Residual,
                                 .tangent  = Tangent,
                                 .apply    = Apply,
-                                .diagonal = Diagonal,
                                 .commit   = Commit,
                                 .traits   = Traits,
                                 .near     = Near,

@@ -398,15 +398,14 @@ PetscErrorCode MpmRigidUnheld(const void *ctx, const MpmSum *sum, const PetscRea
       worst     = off;
       unheld    = b;
       component = balance.component[i];
-      held = (PetscBool)(contact > FREE * load);
+      held      = (PetscBool)(contact > FREE * load);
     }
   }
   if (unheld < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_UNCONSTRAINED,
-                           "its contacts do not hold boundary %s against %s %c (%s)", contacts->boundaries[unheld].name,
-                           component < 3 ? "translation along" : "rotation about",
-                           contacts->boundaries[unheld].dim == 2 && component > 2 ? 'z' : "xyz"[component % 3],
-                           outcome->text));
+  PetscCall(MpmOutcomeFail(
+    outcome, MPM_OUTCOME_UNCONSTRAINED, "its contacts do not hold boundary %s against %s %c (%s)",
+    contacts->boundaries[unheld].name, component < 3 ? "translation along" : "rotation about",
+    contacts->boundaries[unheld].dim == 2 && component > 2 ? 'z' : "xyz"[component % 3], outcome -> text));
   outcome->retryable = (PetscBool)(outcome->retryable && held);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -280,7 +280,6 @@ PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal
   for (PetscInt unit = 0; unit < MpmUnitCount(action->sum); unit++)
     PetscCall(MpmActionApplyUnit(action, unit, du, y, failed));
   for (PetscInt k = 0; k < action->terms->count; k++)
-    if (!action->terms->term[k]->points && !MpmTermsIdle(action->terms, k))
-      PetscCall(action->terms->term[k]->apply(action->terms->ctx[k], action->sum, action->u, du, y));
+    if (!action->terms->term[k]->points) PetscCall(MpmTermsApplyOne(action->terms, k, action->sum, action->u, du, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
