@@ -24,6 +24,19 @@ typedef struct {
   MpmOutcome  outcome;  /* of the last step */
 } MpmCaller;
 
+/* A problem of the scene: the equations on a grid, what the points consist of, and how they are solved. */
+typedef struct {
+  MpmDiscretization disc;
+  MpmSolver         solver;
+  MpmMaterials     *materials; /* borrowed */
+} MpmProblem;
+
+/*
+  The model's problem, which its steps solve, and another one change places. Either is created, worked with and destroyed in
+  the model, whose addresses its parts refer to.
+*/
+void MpmModelExchange(MpmModel model, MpmProblem *problem);
+
 /* Results and progress, and the test of a stress point, which are the run's. */
 typedef struct MpmResults    MpmResults;
 typedef struct MpmLaboratory MpmLaboratory;

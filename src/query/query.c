@@ -157,3 +157,13 @@ PetscBool MpmSceneIsSymmetric(MpmModel model)
   }
   return PETSC_TRUE;
 }
+
+void MpmModelExchange(MpmModel model, MpmProblem *problem)
+{
+  const MpmProblem own = {.disc = model->disc, .solver = model->solver, .materials = model->scene.materials};
+
+  model->disc            = problem->disc;
+  model->solver          = problem->solver;
+  model->scene.materials = problem->materials;
+  *problem               = own;
+}

@@ -239,9 +239,9 @@ static PetscErrorCode CorrectSmallStrain(MpmModel model, MpmRest *rest, PetscRea
 
 /* The search: the stress so far, and the problem that the auxiliary law makes of the points. */
 typedef struct {
-  MpmModel model;
-  MpmModel second; /* shares the points and the scene with the model, but for materials, discretization and solver */
-  MpmRest *rest;
+  MpmModel     model;
+  MpmProblem   problem; /* with the auxiliary law, on the model's grid */
+  MpmRest     *rest;
   MpmMaterial *auxiliaries; /* one for each material */
   MpmMaterials materials;   /* the scene's, with these in place of its own */
   PetscReal   *ratio;       /* k0 of each point */
@@ -281,48 +281,46 @@ static PetscErrorCode BalanceCreate(Balance *balance)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A second problem beside the model's. */
-static PetscErrorCode SecondCreate(Balance *balance)
+/* A discretization and a solver of their own, with the settings of the model's. */
+static PetscErrorCode ProblemCreate(Balance *balance)
 {
   const MpmModel model = balance->model;
-  MpmModel       second;
+  MpmProblem    *own   = &balance->problem; /* once they have changed places */
 
   PetscFunctionBeginUser;
-  PetscCall(PetscNew(&second));
-  *second                 = *model;
-  balance->materials      = *model->scene.materials;
-  balance->materials.at   = balance->auxiliaries;
-  second->scene.materials = &balance->materials;
-  PetscCall(MpmDiscretizationCreate(model->comm, model->disc.grid, model->disc.layout, &second->disc));
-  PetscCall(MpmDiscretizationSize(&second->disc));
-  second->disc.diagonal = balance->auxiliaries[0].stiffness * PetscPowRealInt(model->disc.h[0], model->disc.dim - 2);
-  PetscCall(MpmDiscretizationSetUp(&second->disc, second->scene.materials, second->scene.boundaries,
-                                   second->scene.bodies, second->scene.pairs, second->state.placements,
-                                   second->state.particles->stress_size + 1));
-  PetscCall(MpmDiscretizationAddSurfaces(&second->disc, second->scene.surfaces,
-                                         &second->state.loads[second->scene.loads->count],
-                                         model->disc.surfaces->kernel));
-  PetscCall(MpmSolverDuplicate(&model->solver, &second->disc, &second->monitor, &second->solver));
-  second->solver.may_be_indefinite = PETSC_FALSE;
-  balance->second                  = second;
+  balance->materials         = *model->scene.materials;
+  balance->materials.at      = balance->auxiliaries;
+  balance->problem.materials = &balance->materials;
+  MpmModelExchange(model, &balance->problem);
+  PetscCall(MpmDiscretizationCreate(model->comm, own->disc.grid, own->disc.layout, &model->disc));
+  PetscCall(MpmDiscretizationSize(&model->disc));
+  model->disc.diagonal = balance->auxiliaries[0].stiffness * PetscPowRealInt(own->disc.h[0], model->disc.dim - 2);
+  PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.bodies,
+                                   model->scene.pairs, model->state.placements,
+                                   model->state.particles->stress_size + 1));
+  PetscCall(MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces,
+                                         &model->state.loads[model->scene.loads->count], own->disc.surfaces->kernel));
+  PetscCall(MpmSolverDuplicate(&own->solver, &model->disc, &model->monitor, &model->solver));
+  model->solver.may_be_indefinite = PETSC_FALSE;
+  MpmModelExchange(model, &balance->problem);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Its work counts as the model's. */
-static PetscErrorCode SecondDestroy(Balance *balance)
+/* Iterations count as the model's. */
+static PetscErrorCode ProblemDestroy(Balance *balance)
 {
-  MpmModel model = balance->model, second = balance->second;
+  const MpmModel model = balance->model;
+  MpmProblem    *own   = &balance->problem;
 
   PetscFunctionBeginUser;
-  model->monitor               = second->monitor;
-  model->state.active_dofs_max = second->state.active_dofs_max;
-  model->solver.newton         = second->solver.newton;
-  model->solver.linear         = second->solver.linear;
-  model->solver.newton_total   = second->solver.newton_total;
-  model->solver.linear_total   = second->solver.linear_total;
-  PetscCall(MpmSolverDestroy(&second->solver));
-  PetscCall(MpmDiscretizationDestroy(&second->disc));
-  PetscCall(PetscFree(balance->second));
+  MpmModelExchange(model, &balance->problem);
+  own->solver.newton       = model->solver.newton;
+  own->solver.linear       = model->solver.linear;
+  own->solver.newton_total = model->solver.newton_total;
+  own->solver.linear_total = model->solver.linear_total;
+  PetscCall(MpmSolverDestroy(&model->solver));
+  PetscCall(MpmDiscretizationDestroy(&model->disc));
+  MpmModelExchange(model, &balance->problem);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -360,10 +358,10 @@ static PetscErrorCode TakeShape(Balance *balance)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Takes the stress that has been solved for, without the part that kept the matrix regular. */
+/* While the problem is in force: takes the stress that has been solved for, without the part that kept the matrix regular. */
 static PetscErrorCode TakeStress(Balance *balance)
 {
-  const MpmModel model = balance->second;
+  const MpmModel model = balance->model;
   const PetscInt dim = model->disc.dim, size = model->state.particles->stress_size, v = balance->axis;
   PetscReal      sum[3] = {0., 0., 0.};
 
@@ -399,9 +397,10 @@ static PetscErrorCode TakeStress(Balance *balance)
 /* One solve, with the auxiliary law as every material; without a solution the stress stays. */
 static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
 {
-  MpmModel            model  = balance->second;
-  const PetscInt      size   = model->state.particles->stress_size;
-  PetscInt            failed = 0;
+  const MpmModel      model    = balance->model;
+  const PetscInt      size     = model->state.particles->stress_size;
+  const PetscBool     put_back = model->state.scheme.put_back;
+  PetscInt            failed   = 0;
   MpmOutcome          outcome;
   MpmPoints           points;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
@@ -411,6 +410,8 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
     for (PetscInt c = 0; c < size; c++) balance->history[p * (size + 1) + c] = balance->stress[p * size + c];
     balance->history[p * (size + 1) + size] = balance->ratio[p];
   }
+  MpmModelExchange(model, &balance->problem);
+  model->state.scheme.put_back = PETSC_FALSE;
   PetscCall(MpmStepPrepare(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE,
                            &outcome));
   if (!outcome.code) {
@@ -428,6 +429,8 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
   *solved = (PetscBool)(!outcome.code && reason > 0);
   if (*solved) PetscCall(TakeStress(balance));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  model->state.scheme.put_back = put_back;
+  MpmModelExchange(model, &balance->problem);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -439,14 +442,14 @@ static PetscErrorCode BalanceK0(MpmModel model, MpmRest *rest, PetscReal ratio[]
 
   PetscFunctionBeginUser;
   PetscCall(BalanceCreate(&balance));
-  PetscCall(SecondCreate(&balance));
+  PetscCall(ProblemCreate(&balance));
   for (PetscInt it = 0; it < BALANCE_LIMIT && solved; it++) {
     if (it && (!balance.level || balance.change <= BALANCE_TOLERANCE * rest->largest)) break;
     PetscCall(TakeShape(&balance));
     PetscCall(SolveBalance(&balance, &solved));
   }
   if (!balance.level) PetscCall(PetscArraycpy(stress, rest->start, rest->n * model->state.particles->stress_size));
-  PetscCall(SecondDestroy(&balance));
+  PetscCall(ProblemDestroy(&balance));
   PetscCall(BalanceDestroy(&balance));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -27,7 +27,8 @@ FUNCTION_LINES, FUNCTION_ARGUMENTS, STRUCT_MEMBERS, FILE_LINES = 60, 7, 30, 800
 FOLDER_LINES = {"contact": 7000, "space": 4200}  # others: 4000
 CALL_CIRCLE = 6  # files that call each other in a circle: Newton's method, its searches and the solver
 SHARE = 1 / 3  # of the .c files of src/: as many may see a header, by whatever way; base/ is what all stand on
-IDENTITY = (r"term\[0\]", r"[!=]= &MpmTerm", r"strcmp\(.*physics", r"solver(\.|->)lost")  # a term by its place or address, a physics by its name
+# a term by its place or address, a physics by its name; a reason in the solver's memory, a shallow copy of a model
+IDENTITY = (r"term\[0\]", r"[!=]= &MpmTerm", r"strcmp\(.*physics", r"solver(\.|->)lost", r"\*second *= \*model")
 CALLBACKS = ("HandleError",)  # functions whose arguments are PETSc's
 
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
@@ -292,7 +293,8 @@ def plant(folder, objects):
         objects[f"src/run/circle{k}.c"] = ({f"MpmCircle{k}"}, {f"MpmCircle{(k + 1) % (CALL_CIRCLE + 1)}"})
     objects["physics/solid.c"][1].add("MpmRealText")
     for name, line in (("energy", "terms->term[0]"), ("failure", "term == &MpmTermGhost"),
-                       ("water_state", 'strcmp(model->scene.physics.name, "solid")')):
+                       ("water_state", 'strcmp(model->scene.physics.name, "solid")'),
+                       ("step_begin", "model->solver.lost"), ("step_trial", "*second = *model")):
         add(f"src/step/{name}.c", f"\nstatic int Named = {line};\n")
     return objects, (("include", "src/grid/shape.c"), ("include", "materials/j2.c"), ("circle", "src/io/xdmf.h"),
                      ("circle", "src/io/hdf5_rows.h"), ("share", "src/run/planted.h"), ("share", "src/grid/grid.h"),
@@ -300,7 +302,8 @@ def plant(folder, objects):
                      ("struct", "src/bc/bc.h"), ("file", "src/base/monitor.c"), ("symbol", "src/bc/dirichlet.c"),
                      ("symbol", "physics/solid.c"), ("home", "src/grid/grid.h"),
                      ("folder", "src/bc"), ("calls", "src/run/circle0.c"), ("identity", "src/step/energy.c"),
-                     ("identity", "src/step/failure.c"), ("identity", "src/step/water_state.c"))
+                     ("identity", "src/step/failure.c"), ("identity", "src/step/water_state.c"),
+                     ("identity", "src/step/step_begin.c"), ("identity", "src/step/step_trial.c"))
 
 
 def main():
