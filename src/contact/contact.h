@@ -5,7 +5,6 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "assembly/terms.h"
 #include "rigid/facet.h"
 #include "rigid/rigid.h"
 

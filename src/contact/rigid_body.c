@@ -16,25 +16,7 @@
 #include "contact/contact.h"
 #include "contact/rigid_body.h"
 
-#include <math.h>
-
 #define LIFT 1e-6 /* of a node's stiffness */
-
-PetscErrorCode MpmRigidCreate(MpmContacts *contacts, MpmPlacement *placements)
-{
-  PetscBool any = PETSC_FALSE;
-
-  PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) any = (PetscBool)(any || contacts->boundaries[b].freedom);
-  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscCalloc1(contacts->boundary_count, &contacts->bodies));
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    contacts->bodies[b].freedom   = contacts->boundaries[b].freedom;
-    contacts->bodies[b].placement = &placements[b];
-    contacts->bodies[b].dim       = contacts->boundaries[b].dim;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* ---- before the step ---- */
 
@@ -50,46 +32,6 @@ static PetscErrorCode Boxes(void *ctx, const MpmRules *rules, const MpmPoints *p
     if (contacts->bodies[b].freedom)
       PetscCall(MpmSpaceAppendNodes(space, 2, contacts->bodies[b].freedom->free, &contacts->bodies[b].extra));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const PetscReal gravity[])
-{
-  contacts->adrift = -1;
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
-    MpmRigidBody      *body     = &contacts->bodies[b];
-    const MpmBoundary *boundary = &contacts->boundaries[b];
-
-    if (!body->freedom) continue;
-    const PetscReal factor = MpmRampEvaluate(body->freedom->ramp, time);
-
-    MpmRigidRotation(body->placement->turn, body->Q);
-    MpmBoundaryReference(boundary, &contacts->before[b], body->pivot);
-    MpmBoundaryReference(boundary, &contacts->after[b], body->travel);
-    for (PetscInt a = 0; a < 3; a++) {
-      body->travel[a] -= body->pivot[a];
-      body->load[a]   = factor * body->freedom->load[a] + body->freedom->mass * gravity[a];
-      body->moment[a] = factor * body->freedom->moment[a];
-    }
-    body->spins = 0;
-    body->dt    = body->freedom->mass > 0. ? dt : 0.;
-    for (PetscInt k = 0; k < 6; k++)
-      body->guess[k] = body->dt * (body->placement->velocity[k] + 0.5 * body->dt * body->placement->acceleration[k]);
-  }
-}
-
-const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt b)
-{
-  return contacts->bodies && contacts->bodies[b].freedom ? &contacts->bodies[b] : NULL;
-}
-
-void MpmBoundaryAdvance(const MpmContacts *contacts, PetscInt b, PetscInt block, const PetscReal u[],
-                        MpmPlacement *placement)
-{
-  MpmRigidIncrement q;
-
-  if (!MpmContactsBody(contacts, b)) return;
-  MpmRigidIncrementAt(&contacts->bodies[b], block, u, &q);
-  MpmRigidMove(&q, placement);
 }
 
 /* The body's equations meet those of the nodes that its contacts touch. */
@@ -419,25 +361,6 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
         body->placement->last[3 * n + a] = u[(body->node + n) * sum->block + a] - body->guess[3 * n + a];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscInt MpmRigidReport(const MpmContacts *contacts, PetscInt b, PetscReal values[])
-{
-  const MpmBoundary *boundary = &contacts->boundaries[b];
-  PetscInt           count    = 0;
-  PetscReal          reference[MPM_MAX_DIM];
-
-  if (!boundary->freedom) return 0;
-  const MpmPlacement *placement = contacts->bodies[b].placement;
-  const PetscReal    *turn      = placement->turn;
-  const PetscReal     sine      = hypot(hypot(turn[1], turn[2]), turn[3]);
-  const PetscReal     angle     = 2. * atan2(sine, turn[0]) * 180. / PETSC_PI;
-
-  MpmBoundaryReference(boundary, &contacts->after[b], reference);
-  for (PetscInt a = 0; a < boundary->dim; a++) values[count++] = reference[a] + placement->shift[a];
-  for (PetscInt a = boundary->dim == 2 ? 2 : 0; a < 3; a++)
-    values[count++] = sine > 0. ? angle * turn[1 + a] / sine : 0.;
-  return count;
 }
 
 /* The largest residual of a body over what acts there. */

@@ -59,15 +59,6 @@ void MpmRigidRest(void *ctx)
   }
 }
 
-void MpmRigidStart(PetscInt count, const MpmBoundary boundaries[], MpmPlacement placements[])
-{
-  for (PetscInt b = 0; b < count; b++) {
-    placements[b].turn[0] = 1.;
-    for (PetscInt a = 0; boundaries[b].freedom && a < boundaries[b].dim; a++)
-      placements[b].velocity[a] = boundaries[b].freedom->velocity[a];
-  }
-}
-
 PetscReal MpmRigidKinetic(const void *ctx)
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;

@@ -4,7 +4,6 @@
   A facet's displacement is turned into the frame of the body, where the law of a patch holds as at a fixed surface (contact_patch.c);
   forces and stiffnesses are turned back.
 */
-#include "geometry/geometry.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "contact/contact.h"

@@ -100,6 +100,11 @@ PetscInt MpmNodesOwned(const MpmDiscretization *disc)
   return disc->space->owned;
 }
 
+PetscInt MpmNodesTotal(const MpmDiscretization *disc)
+{
+  return disc->space->global_count;
+}
+
 PetscBool MpmNodeInGrid(const MpmDiscretization *disc, PetscInt node)
 {
   return (PetscBool)!MpmSpaceIsExtra(disc->space, node);

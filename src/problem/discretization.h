@@ -52,9 +52,10 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
 PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBodySurfaces *surfaces,
                                             MpmLoadActing *acting, const MpmKernelSet *kernel);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
-/* Numbers of local and owned nodes; is one a node of the grid, not one of a body's or of another unknown's own? */
+/* Numbers of local and owned nodes, and of those of all ranks; is one a node of the grid, not one of a body's or of another unknown's own? */
 PetscInt  MpmNodesLocal(const MpmDiscretization *disc);
 PetscInt  MpmNodesOwned(const MpmDiscretization *disc);
+PetscInt  MpmNodesTotal(const MpmDiscretization *disc);
 PetscBool MpmNodeInGrid(const MpmDiscretization *disc, PetscInt node);
 /* Ghost values from their owners, and sums of ghost values to their owners; `block` values a node. */
 PetscErrorCode MpmNodesToGhosts(const MpmDiscretization *disc, PetscInt block, PetscReal local[]);

@@ -127,6 +127,9 @@ PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J);
 PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
 /* Raises the diagonal of an assembled Jacobian where it may have modes without stiffness (jacobian_lift.c). */
 PetscErrorCode MpmJacobianLift(MpmSolver *solver, Mat J);
+/* Relative to the residual at zero displacement, with a floor; as SNES calls it, ctx: the solver (convergence.c). */
+PetscErrorCode MpmNewtonConverged(SNES snes, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm,
+                                  SNESConvergedReason *reason, void *ctx);
 /* Residual, Jacobian, convergence test and line search, handed to SNES (newton.c). */
 PetscErrorCode MpmNewtonAttach(MpmSolver *solver);
 PetscErrorCode MpmNewtonSetMats(MpmSolver *solver);
@@ -159,7 +162,14 @@ PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver);
 PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split);
 /* The residual that tolerances refer to: that at the step's start. */
 PetscErrorCode MpmSolverSetReference(MpmSolver *solver, Vec f);
-/* Presets, PETSc's solver objects and their options (solver.c). */
+/*
+  Presets (presets.c). Name: of preset k, NULL beyond the last one. Apply: settles `auto` for about so many unknowns, and sets the
+  preset's options.
+*/
+#define MPM_PRESETS_MOST 16
+const char    *MpmPresetName(PetscInt k);
+PetscErrorCode MpmPresetApply(MpmSolver *solver, PetscReal unknowns, PetscBool inertia);
+/* PETSc's solver objects and their options (solver.c). */
 PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *options);
 /* Rows of the state (base/rows.h). */
 PetscErrorCode MpmSolverAddRows(MpmSolver *solver, MpmRows *rows);
