@@ -128,8 +128,8 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same entry for a pair of nodes of which one has a frame: not a multiple of the identity there. */
-static void AddTurned(const MpmSpace *space, const PetscInt nodes[2], PetscReal value, MpmPattern *pattern)
+/* An entry between two nodes as an element block. */
+static void AddEntry(const MpmSpace *space, const PetscInt nodes[2], PetscReal value, MpmPattern *pattern)
 {
   const PetscInt bs                                     = pattern->block;
   PetscReal      element[4 * MPM_MAX_DIM * MPM_MAX_DIM] = {0.};
@@ -152,7 +152,7 @@ MPM_INLINE void AddRows(const MpmMassMatrix *mass, const MpmSpace *space, PetscI
       PetscReal      *to    = pattern->value[i] + slot[at[mass->place[k]]] * dim;
 
       if (i != j && (MpmConstraintsFrame(constraints, i) || MpmConstraintsFrame(constraints, j))) {
-        AddTurned(space, (const PetscInt[]){i, j}, value, pattern);
+        AddEntry(space, (const PetscInt[]){i, j}, value, pattern); /* no multiple of the identity in a frame */
         continue;
       }
       for (PetscInt c = 0; c < dim; c++)
@@ -169,6 +169,10 @@ static PetscErrorCode AddMatrix(const MpmMassMatrix *mass, const MpmSpace *space
   PetscInt      *at; /* where the places of this window are in the pattern's */
 
   PetscFunctionBeginUser;
+  for (PetscInt i = 0; pattern->action && i < mass->nodes; i++)
+    for (PetscInt k = mass->start[i]; k < mass->start[i + 1]; k++)
+      AddEntry(space, (const PetscInt[]){i, mass->column[k]}, factor * mass->value[k], pattern);
+  if (pattern->action) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(size, &at));
   for (PetscInt k = 0; k < size; k++) {
     PetscInt stride = 1, rest = k;
