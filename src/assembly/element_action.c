@@ -1,7 +1,7 @@
 /*
   Element blocks without a matrix: their product with a vector, or with their transpose, and their diagonal.
 
-  A term gives its tangent as element blocks. Whoever has no matrix for them takes what they do to a vector at the local nodes,
+  A term provides its tangent as element blocks. Without a matrix their action on a vector at the local nodes is used,
 
     y_ic += K_icjd x_jd ,   y_jd += K_icjd x_ic (transposed) ,   blocks_icd += K_icid ,
 
@@ -53,7 +53,7 @@ void MpmElementActPair(const MpmElementAction *action, PetscInt bs, PetscInt n, 
   ActProduct(action, bs, n, nodes, b, c);
 }
 
-/* What the blocks of term k do. */
+/* Action of the blocks of term k. */
 static PetscErrorCode Act(const MpmTerms *terms, PetscInt k, const MpmSum *sum, const PetscReal u[],
                           const MpmElementAction *action, PetscInt *failed)
 {

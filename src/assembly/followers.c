@@ -16,7 +16,7 @@ typedef struct {
   const MpmFrame *frame;
 } Target;
 
-/* The k-th target of a node: 0 is itself, whose components that do not follow stay. PETSC_FALSE where nothing goes there. */
+/* The k-th target of a node: 0 is itself, for components that do not follow. PETSC_FALSE where nothing goes there. */
 static PetscBool TargetOf(const MpmPattern *pattern, const MpmSpace *space, PetscInt node, PetscInt k, Target *target)
 {
   const MpmConstraints *constraints = pattern->constraints;

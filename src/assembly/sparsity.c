@@ -2,10 +2,10 @@
   The Jacobian's sparsity and the values on their way into the matrix.
 
   A row's columns lie in a window of (2w - 1)^dim nodes around it, w being the most nodes that a point touches on an
-  axis: a table over that window gives the place of any entry without a search. Extra nodes and boxes that are coupled have
-  entries outside, in lists by row (far_entries.c). Rows whose columns all belong to this rank are written where they stand
-  in PETSc's AIJ storage. Others are kept in a buffer: owned ones are copied, rows of ghosts go to their owners through the
-  matrix's stash. Matrices of other types than PETSc's own on the host (those of GPUs, hypre's) are given all rows, ghosts'
+  axis: a table over that window gives the place of any entry without a search. Extra nodes and coupled boxes have
+  entries outside, in lists by row (far_entries.c). Rows whose columns all belong to this rank are written directly into
+  PETSc's AIJ storage. Others are kept in a buffer: owned ones are copied, rows of ghosts go to their owners through the
+  matrix's stash. Matrices of other types than PETSc's own on the host (those of GPUs, hypre's) get all rows, ghosts'
   too, as one list of coordinates and values.
 */
 #include "space/space.h"
@@ -280,7 +280,9 @@ PetscErrorCode MpmPatternSetUp(MpmPattern **handle, const MpmSpace *space, MPI_C
   PetscCall(PetscFree(foreign.column));
   PetscCall(MpmListsDestroy(&received));
 
-  /* equal rows and columns on every rank: the matrix and its symbolic factorisation stay; coordinates name ghosts' rows, too */
+  /* equal rows and columns on every rank: the matrix and its symbolic factorisation stay; coordinates have ghosts'
+     rows, too */
+
   if (old) pattern->coordinates = old->coordinates;
   const PetscInt count = pattern->coordinates ? pattern->local : pattern->owned;
   *changed =
@@ -297,7 +299,8 @@ PetscErrorCode MpmPatternSetUp(MpmPattern **handle, const MpmSpace *space, MPI_C
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Are values handed over as coordinates? Types on the host that take blocks of values, or lend their arrays, do not need it. */
+/* True where values are passed as coordinates: not for types on the host that take blocks of values, or lend their
+   arrays. */
 static PetscErrorCode TakesCoordinates(Mat mat, PetscBool *takes)
 {
   PetscBool host;
@@ -377,7 +380,7 @@ PetscErrorCode MpmPatternCreateMat(MpmPattern *pattern, const MpmSpace *space, M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same, entry by entry. */
+/* AddBlock() entry by entry. */
 static void AddBlockWithHoles(MpmPattern *pattern, const PetscInt nodes[], const MpmGroup *group,
                               const PetscInt offset[], PetscInt center, const PetscReal element[])
 {
@@ -545,7 +548,7 @@ void MpmPatternAddPair(MpmPattern *pattern, const MpmSpace *space, const MpmGrou
   }
 }
 
-/* Are all columns of an owned row this rank's own? They stand in ascending order. */
+/* True where all columns of an owned row are this rank's own; columns stand in ascending order. */
 static PetscBool IsInside(const MpmPattern *pattern, const MpmSpace *space, PetscInt row)
 {
   const PetscInt begin = space->global_begin, end = begin + space->owned;

@@ -7,8 +7,8 @@
 #include "base/types.h"
 
 /*
-  What stands in place of the matrix's values (element_action.c): products of the blocks with x, or of their transposes, added to y, and
-  diagonal blocks, block^2 values a node; NULL: none. Arrays at the local nodes.
+  Substitute of the matrix's values (element_action.c): products of the blocks with x, or of their transposes, added to
+  y, and diagonal blocks, block^2 values a node; NULL: none. Arrays at the local nodes.
 */
 typedef struct {
   const PetscReal *x;
@@ -45,12 +45,12 @@ PetscErrorCode MpmPatternSetUp(MpmPattern **pattern, const MpmSpace *space, MPI_
                                PetscBool *changed);
 PetscErrorCode MpmPatternDestroy(MpmPattern **pattern);
 PetscErrorCode MpmPatternCreateMat(MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm, MatType type, Mat *mat);
-/* Between these two, blocks are added. Begin zeroes the matrix; End puts the diagonal on constrained rows and assembles. */
+/* Begin and end of adding blocks. Begin zeroes the matrix; End puts the diagonal on constrained rows and assembles. */
 PetscErrorCode MpmPatternBegin(MpmPattern *pattern, const MpmSpace *space, const MpmConstraints *constraints, Mat mat);
 PetscErrorCode MpmPatternEnd(MpmPattern *pattern, const MpmSpace *space, Mat mat);
 /*
-  Adds a box's element block, stored [i][c][c'][j]; rows and columns of constrained unknowns, and those of holes, are left
-  out.
+  Adds a box's element block, stored [i][c][c'][j]; rows and columns of constrained unknowns, and those of holes, are
+  left out.
 */
 void MpmPatternAddBlock(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *group, PetscReal element[]);
 /*

@@ -10,7 +10,7 @@ PetscInt *MpmPatternSlot(const MpmPattern *pattern, const MpmSpace *space, Petsc
 PetscInt MpmPatternPosition(const MpmPattern *pattern, const MpmSpace *space, PetscInt row, PetscInt column);
 /* Lists the entries of extra nodes, of coupled boxes and of masters, by row; `neighbour`: as in MpmPattern. */
 PetscErrorCode MpmPatternMarkFar(MpmPattern *pattern, const MpmSpace *space, const PetscInt neighbour[]);
-/* A block of n local nodes, -1 for holes, stored [i][c][c'][j], and the products a b^T + b c^T of vectors stored [i][c]. */
+/* A block of n local nodes, -1 for holes, stored [i][c][c'][j], and the products a b^T + b c^T of vectors [i][c]. */
 void MpmElementActNodes(const MpmElementAction *action, PetscInt bs, PetscInt n, const PetscInt nodes[],
                         const PetscReal element[]);
 void MpmElementActPair(const MpmElementAction *action, PetscInt bs, PetscInt n, const PetscInt nodes[],

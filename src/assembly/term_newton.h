@@ -8,25 +8,26 @@
 /*
   Optional operations of a term, each collective unless said otherwise; u: displacement at the local unknowns.
 
-  begin      first iterate of a solution; `careful`: secants in place of tangents of what slides
-  accepted   an iterate that the line search has taken; what was held is released. `changed`: becomes true where the
-             tangent at u is another one than before
+  begin      first iterate of a solution; `careful`: secants in place of tangents of sliding contact
+  accepted   an iterate that the line search has taken; contacts kept closed are released. `changed`: becomes true where
+             the tangent at u is another one than before
   end        end of a solution: exact forces and tangents from here on; not collective
-  holds      does the term hold, in the iteration under way, what its law would let go? The same on all ranks
-  soften     another attempt at a step: compliance of what may slide, over that of a first attempt, until the next
-             `prepare`; not collective
+  holds      true where the term, in the iteration under way, keeps contacts closed that its law would open; equal on
+             all ranks
+  soften     another attempt at a step: factor on the elastic slip of sticking contact, over that of a first attempt,
+             until the next `prepare`; not collective
   firmness   stiffness against the grid's nodes, over that of the material; 0: nothing is near; not collective
   squares    adds the squares of this rank's forces, N^2; not collective
   imbalance  residual of the term's own unknowns over their loads, from the owned unknowns' residual, on the rank that
              owns them; not collective
   relax      equilibrium of the term's own unknowns, among the owned ones x, while all others stay at u; with `follows`
              within a trust region about `last`, the owned unknowns before
-  guess      initial values of the term's own unknowns, among the owned ones x: `factor` times the last increment; not
+  `guess`    initial values of the term's own unknowns, among the owned ones x: `factor` times the last increment; not
              collective
   mode       values of a rigid motion, translation `along` and rotation `turn` about `origin`, at the term's own
              unknowns, among the owned ones; not collective
-  augment    augmented Lagrangian method, after a solution: excess of the violated constraint over its tolerance; above 1
-             the multipliers become those at u. `first`: first correction of the step
+  augment    augmented Lagrangian method, after a solution: excess of the violated constraint over its tolerance; above
+             1 the multipliers become those at u. `first`: first correction of the step
 */
 typedef struct MpmTermNewton {
   PetscErrorCode (*begin)(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool careful);
@@ -46,8 +47,9 @@ typedef struct MpmTermNewton {
 } MpmTermNewton;
 
 /*
-  These operations of all terms (term_newton.c). Hold: does any term? Firmness, imbalance, excess: the largest.
-  Imbalance, not collective, and excess are 0, relax and guess change nothing, where no term has the operation.
+  These operations of all terms (term_newton.c). Hold: true where any term does. Firmness, imbalance, excess: the
+  largest. Imbalance, not collective, and excess are 0, relax and `guess` change nothing, where no term has the
+  operation.
 */
 PetscErrorCode MpmTermsNewtonBegin(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscBool careful);
 PetscErrorCode MpmTermsNewtonAccepted(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[],

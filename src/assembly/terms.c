@@ -31,7 +31,7 @@ PetscErrorCode MpmTermsDestroy(MpmTerms **terms)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What terms answer of their own ranks, for all of them. */
+/* Answers of terms for their own ranks, made those of all. */
 static PetscErrorCode FindNear(const MpmTerms *terms, const MpmSpace *space)
 {
   PetscBool **near, *any;

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What adds to the residual and to its Jacobian: the table of terms, and the sums over it.
+  Contributions to the residual and to its Jacobian: the table of terms, and the sums over it.
 */
 #include "assembly/term_motion.h"
 #include "assembly/term_newton.h"
@@ -23,8 +23,8 @@ typedef enum {
   Optional operations of a term with unknowns of its own, each collective.
 
   refuses  after `prepare`: fails where there is no state to start from
-  stray    is the solution u beyond what was searched for it? The same on all ranks
-  unheld   after Newton's method failed at u: another reason where something of the term goes on moving
+  stray    true where the solution u is beyond the range of the contact search for it; equal on all ranks
+  unheld   after Newton's method failed at u: another reason where an unknown of the term goes on moving
 */
 typedef struct {
   PetscErrorCode (*refuses)(const void *ctx, MpmOutcome *outcome);
@@ -40,30 +40,31 @@ struct MpmTermStep {
 };
 
 /*
-  A term of the residual, with its derivatives. Arrays hold values at the local nodes; what is ghosts' goes to their owners
-  later. `failed` counts points without an answer on this rank. Any function may be NULL: the term then has no such part.
+  A term of the residual, with its derivatives. Arrays hold values at the local nodes; values of ghosts go to their
+  owners later. `failed` counts points without an answer on this rank. Any function may be NULL: the term then lacks it.
 
-  idle      has it nothing to add in this step, on this rank? Then residual, tangent, apply and diagonal need not be asked
+  idle      true where the term adds nothing in this step, on this rank; residual, tangent, apply and diagonal may then
+            be skipped
   boxes     boxes of nodes that the term couples, and extra nodes, added to a space that is not numbered yet
-  prepare   what the term needs of the step, once the space is there
+  prepare   data of the term for the step, once the space is there
   residual  residual += term(u)
-  tangent   element blocks of d term / d u into the pattern; where `residual` is not NULL it also does what residual() does
+  tangent   element blocks of d term / d u into the pattern; where `residual` is not NULL also the task of residual()
   apply     y += (d term / d u) du; NULL: from the element blocks of `tangent`, and for the points, whose action keeps
             data of its own (MpmAction)
   diagonal  its diagonal blocks, block^2 values a node; NULL: from the element blocks
-  link      which boxes are coupled with the term's extra nodes, or with one another, once it is prepared
-  stage     what the term keeps of the first of two stages (sdirk.c), which counts `theta` times in what has flowed
-  commit    what the term keeps of the converged step
-  put_back  points that return to where the last step found them, with the stress at its end
+  link      couples boxes with the term's extra nodes, or with one another, once it is prepared
+  stage     keeps the first of two sub-steps (sdirk.c), which counts `theta` times in the flow
+  commit    keeps the converged step
+  put_back  points that return to their places at the step's start, with the stress at its end
   traits    MpmTermTrait
-  near      where the term keeps whether its contact is near enough to act in this step: its own rank's answer after
-            `boxes`, that of all ranks later; NULL: the scene has none
+  near      the term's note whether its contact is near enough to act in this step: its own rank's answer after `boxes`,
+            that of all ranks later; NULL: the scene has none
 
   points     the term is the physics at the points: first in the list, with forms of the Jacobian of its own
-  quadratic  true where the term is linear in u with a symmetric matrix, with an energy of 1/2 u . (r(u) + r(0)) in a step; NULL: the
-             term has no energy. Energy of the points: MpmPotentialExists()
+  quadratic  true where the term is linear in u with a symmetric matrix, with an energy of 1/2 u . (r(u) + r(0)) in a
+             step; NULL: the term has no energy. Energy of the points: MpmPotentialExists()
   account    entry of the work that the term takes from the material
-  work       adds what else the forces at `at` do in the displacement u
+  work       adds other work of the forces at `at` in the displacement u
 */
 struct MpmTerm {
   const char *name;
@@ -107,24 +108,24 @@ PetscErrorCode MpmTermsDestroy(MpmTerms **terms);
 PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const MpmRules *rules,
                                   const MpmPoints *points, MpmOutcome *outcome);
 PetscErrorCode MpmTermsPrepare(const MpmTerms *terms, const MpmTermStep *step);
-/* `linked`, unless NULL: does any term link? Then the pattern is that of a prepared step. */
+/* `linked`, unless NULL: true where any term links. Then the pattern is that of a prepared step. */
 PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space, PetscBool *linked);
 PetscErrorCode MpmTermsKeepStage(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal theta);
 PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 PetscErrorCode MpmTermsPutBack(const MpmTerms *terms, PetscInt points, MpmParticles *particles);
 /* Traits of any term. */
 unsigned MpmTermsTraits(const MpmTerms *terms);
-/* Is contact with all of these traits near enough to act in this step, on any rank? */
+/* True where contact with all of these traits is near enough to act in this step, on any rank. */
 PetscBool MpmTermsNear(const MpmTerms *terms, unsigned traits);
 /* These operations of all terms; the first refusal counts. */
 PetscErrorCode MpmTermsRefuse(const MpmTerms *terms, MpmOutcome *outcome);
 PetscBool      MpmTermsStray(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[]);
 PetscErrorCode MpmTermsUnheld(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmOutcome *outcome);
-/* Has term k nothing to add on this rank? */
+/* True where term k adds nothing on this rank. */
 PetscBool MpmTermsIdle(const MpmTerms *terms, PetscInt k);
 /* True: `quadratic` of a term that always is. */
 PetscBool MpmTermIsQuadratic(const void *ctx);
-/* Have all terms but the points an energy? */
+/* True where all terms but the points have an energy. */
 PetscBool MpmTermsAreQuadratic(const MpmTerms *terms);
 /* Forces of the points alone, and of all others, added to `residual`. */
 PetscErrorCode MpmTermsResidualPoints(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[],
@@ -139,8 +140,8 @@ PetscErrorCode MpmTermsTangent(const MpmTerms *terms, const MpmSum *sum, const P
 PetscErrorCode MpmTermsDiagonal(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
                                 PetscInt *failed);
 /*
-  Of term k alone, added: y += (d term / d u) du, the transposed action y += (d term / d u)^T v, and the diagonal; from its element blocks
-  where it has no form of its own (element_action.c). The points' action is MpmAction's.
+  Of term k alone, added: y += (d term / d u) du, the transposed action y += (d term / d u)^T v, and the diagonal; from
+  its element blocks where it has no form of its own (element_action.c). The points' action is MpmAction's.
 */
 PetscErrorCode MpmTermsApplyOne(const MpmTerms *terms, PetscInt k, const MpmSum *sum, const PetscReal u[],
                                 const PetscReal du[], PetscReal y[]);

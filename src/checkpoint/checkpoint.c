@@ -1,9 +1,9 @@
 /*
-  Checkpoints: when they are written, and what stands in them.
+  Checkpoints: times and contents.
 
-  One group /points: every field of the particles, rows by id, with the rank that held each point and its place there,
-  so that as many ranks can restart from just the same state; the rows of the state as attributes (query/state.h); and as bytes
-  the options that define the scene, the partition, and where the result files stood.
+  One group /points: every field of the particles, rows by id, with the rank of each point and its place there, so that
+  as many ranks can restart from an identical state; the rows of the state as attributes (query/state.h); and as bytes
+  the options that define the scene, the partition, and the places in the result files.
 */
 #include <ctype.h>
 #include <strings.h>
@@ -79,7 +79,7 @@ static PetscBool EndsWith(const char *text, const char *tail)
   return (PetscBool)(length >= end && !strcasecmp(text + length - end, tail));
 }
 
-/* May a run go on with another value? What a scene is made of must stay; how it is loaded, solved and written may not. */
+/* True where a run may go on with another value: loads, solution and output may change, the scene itself may not. */
 static PetscBool MayChange(const char *name)
 {
   static const char *const heads[] = {"mpm_title",       "mpm_plugin",
@@ -247,7 +247,7 @@ static PetscErrorCode WritePoints(MpmModel model, const MpmStateFile *state, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Points, numbers and the rest into a file of that name. */
+/* Writes points, numbers and metadata into a file of that name. */
 static PetscErrorCode WriteFile(MpmModel model, const char *path, PetscErrorCode *failed)
 {
   MpmStateFile  state = {.path = path, .group = "/points", .head = MPM_CHECKPOINT_HEAD};

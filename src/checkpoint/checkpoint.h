@@ -9,7 +9,7 @@
 #include "observe/results.h"
 
 PetscErrorCode MpmCheckpointSetFromOptions(MpmModel model, const MpmOptions *options);
-/* The text of all options that define the scene and must be the same when a run goes on, a line each; or of those given. */
+/* Text of all options that define the scene and must not change when a run goes on, a line each; or of given ones. */
 PetscErrorCode MpmCheckpointScene(MpmModel model, PetscBool given, MpmTextFile *scene);
 /* Keeps the options that continue the run, before presets have added theirs. */
 PetscErrorCode MpmCheckpointKeepOptions(MpmModel model, const MpmOptions *options);
@@ -19,8 +19,8 @@ PetscErrorCode MpmCheckpointStep(MpmModel model, PetscBool *stop);
 PetscErrorCode MpmCheckpointDestroy(MpmCheckpoint *checkpoint);
 
 /*
-  Restarting, in this order: Open finds the checkpoint and checks it against the scene, ReadPoints fills the particles in
-  place of the bodies, Apply sets the model's numbers once the solver is chosen, Results takes up the result files.
+  Restarting, in this order: Open finds the checkpoint and checks it against the scene, ReadPoints fills the particles
+  in place of the bodies, Apply sets the model's numbers once the solver is chosen, Results takes up the result files.
 */
 PetscErrorCode MpmRestartOpen(MpmModel model);
 PetscErrorCode MpmRestartReadPoints(MpmModel model);

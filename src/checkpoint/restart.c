@@ -22,7 +22,7 @@
 
 struct _p_MpmRestart {
   char        *path;
-  PetscBool    together; /* do all ranks read the points, or rank 0 alone? */
+  PetscBool    together; /* all ranks read the points, otherwise rank 0 alone */
   PetscInt     points;
   MpmRowValues values;
   MpmTextFile  scene, partition, history, results, index, grid_index; /* the last three: rank 0 */
@@ -129,7 +129,7 @@ static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- which checkpoint, and is it of this scene? ---- */
+/* ---- choice of the checkpoint, and comparison with this scene ---- */
 
 /* The newest that is whole; each that is not is told of. */
 static PetscErrorCode FindLatest(MpmModel model, char path[PETSC_MAX_PATH_LEN], MpmCheckpointHead *head)
@@ -387,7 +387,7 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
 
 /* ---- numbers and results ---- */
 
-/* What the solver's choice has settled holds, but for what the run has learnt: a rescue that was needed stays on. */
+/* The solver's choice stays, but for changes that the run has made: a rescue that was needed stays on. */
 PetscErrorCode MpmRestartApply(MpmModel model)
 {
   MpmRestart      restart           = model->results->checkpoint.restart;
@@ -413,7 +413,7 @@ PetscErrorCode MpmRestartApply(MpmModel model)
   if (model->state.dt_nominal != dt_nominal)
     model->state.dt_wanted = model->state.dt_nominal; /* the user wants another step */
   if (!strcmp(model->results->checkpoint.from, "latest"))
-    model->results->checkpoint.step = model->state.step; /* it is among the files kept */
+    model->results->checkpoint.step = model->state.step; /* one of the kept files */
   MpmCheckInput(model->state.time_end >= model->state.time * (1. - 1e-12),
                 "-mpm_time_end %g: the checkpoint %s stands at %g already", (double)model->state.time_end,
                 restart->path, (double)model->state.time);

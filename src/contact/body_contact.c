@@ -1,25 +1,26 @@
 /*
   Contact of bodies with one another, which have nodes of their own.
 
-  The facets of the first body in one cell and those of the second across from them (body_patches.c) form a patch with one
-  mean gap g, one mean slip s and one traction, as a mortar method with one multiplier a cell has them. With w the mean
+  The facets of the first body in one cell and those of the second across from them (body_patches.c) form a patch with
+  one mean gap g, one mean slip s and one traction, as in a mortar method with one multiplier a cell. With w the mean
   displacement of the first body's facets less that of the second's, n the outward normal of the first body, A the area,
 
-    g = g_n - n . w ,   s = s_n + (I - n n^T) w ,   pressure p = -k g where g <= 0 ,   traction t = k' s ,   k = penalty E/h
+    g = g_n - n . w ,   s = s_n + (I - n n^T) w ,   pressure p = -k g where g <= 0 ,   traction t = k' s ,
+    k = penalty E/h
 
-  and the law of contact_law.c: |t| <= mu p + adhesion. The first body gets the force -A (p n + t), spread
-  over its facets by area, the second the opposite over its own: forces balance to rounding, whatever the two lattices of points.
+  and the law of contact_law.c: |t| <= mu p + adhesion. The first body gets the force -A (p n + t), spread over its
+  facets by area, the second the opposite over its own: forces balance to rounding, whatever the two lattices of points.
   n and A are those of the step's start, so the force depends on w alone, and with B = dw/du the tangent is
 
     B^T A (k n n^T + dt/dw) B .
 
-  With `method: augmented` the pressure is -k (g - shift), and between Newton's solutions the shift becomes what holds the pressure
-  at no depth. With `method: barrier` a barrier of reach d0, a tenth of a cell, stands in place of the penalty: the bodies never
-  meet, for where g <= 0 there is no answer and Newton's step is halved.
+  With `method: augmented` the pressure is -k (g - shift), and between Newton's solutions the shift becomes that which
+  carries the pressure at no depth. With `method: barrier` a barrier of reach d0, a tenth of a cell, replaces the
+  penalty: the bodies never meet, for where g <= 0 there is no answer and Newton's step is halved.
 
-  Where bodies touch as the step starts, and the contact is open, water passes from the first to the second: dt A c (p_1 - p_2), p the
-  mean pressures of both sides and c a hundred times what a cell of the less permeable one lets through, so that the pressures are the same but
-  for a hundredth of their fall over a cell.
+  Where bodies touch as the step starts, and the contact is open to water, water passes from the first to the second: dt
+  A c (p_1 - p_2), with p the mean pressures of both sides and c a hundred times the conductance of a cell of the less
+  permeable one. The pressures then agree but for a hundredth of their fall over a cell.
 */
 #include "particles/particles.h"
 #include "space/space.h"
@@ -36,7 +37,7 @@ static PetscReal Conductance(const MpmPairPatch *patch, const MpmSum *sum)
   return sum->dt * patch->side[0].area * patch->through;
 }
 
-/* The same in explicit steps, where turning has its part. */
+/* Adds a patch's force in explicit steps, with the contribution of turning. */
 static void AddDirectForce(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum,
                            const PetscReal force[], PetscReal y[])
 {
@@ -208,8 +209,8 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 /* ---- the step is over ---- */
 
 /*
-  The slip that is kept of an explicit step, in which contact acted where the nodes would have come without it: the one they came to; of
-  what slides at most what the traction stretches.
+  Keeps the slip of an explicit step, in which contact acts where the nodes would come without it: that of the places
+  they reach; when sliding, at most the elastic slip of the traction.
 */
 static void KeepSlip(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum, PetscReal slip[])
 {

@@ -24,7 +24,8 @@ struct MpmPairs {
   MpmPair *at;
 };
 
-/* In explicit steps: how the mean of a side is that of a place beside its own (body_impact.c). In 2D what turns is along z. */
+/* In explicit steps: the mean of a side as that of a place beside its own (body_impact.c). In 2D the rotation is about
+   z. */
 typedef struct {
   PetscBool turns;                             /* its nodes tell how it turns */
   PetscReal middle[MPM_MAX_DIM];               /* where the mean of the nodes stands, m */
@@ -65,7 +66,7 @@ struct MpmPairContacts {
   PetscReal        cell, touch;    /* the smallest size of a cell; a patch no further away touches */
   PetscBool        starts;         /* the step is the run's first: what overlaps now touches */
   PetscBool        dynamic;        /* the step has inertia */
-  PetscBool        holds;          /* patches of some rank are held */
+  PetscBool        holds;          /* patches of some rank are kept closed */
   PetscBool        near, bare;     /* as at boundaries (MpmContactNewton) */
   PetscReal        least;          /* as at boundaries (MpmContactNewton) */
   PetscReal        give;           /* as at boundaries (MpmContactsGive) */
@@ -96,8 +97,9 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
 PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step);
 PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
 /*
-  What patches do at the first of Newton's iterates, as at boundaries (body_states.c). Begin: hold of what slid in the last step, where
-  nothing touches at u, for one iteration: until Release. End: all by the law, with its derivative. Collective.
+  Patches at the first of Newton's iterates, as at boundaries (body_states.c). Begin: where nothing touches at u, keeps
+  closed those that slid in the last step, for one iteration: until Release. End: all by the law, with its derivative.
+  Collective.
 */
 PetscErrorCode MpmPairsBegin(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool careful);
 PetscErrorCode MpmPairsRelease(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool *changed);
@@ -107,24 +109,24 @@ void MpmPairsGive(void *ctx, PetscReal give);
 /* Adds the squares of the forces, N2, that this rank's patches have at the local unknowns u. */
 PetscErrorCode MpmPairsAddSquares(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal *squares);
 /*
-  Method augmented, after Newton's: where the largest error of depth over its tolerance is above 1, the pressures become those that the
-  patches have at u. Collective.
+  Method augmented, after Newton's: where the largest error of depth over its tolerance is above 1, the pressures become
+  those of the patches at u. Collective.
 */
 PetscErrorCode MpmPairsAugment(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool first, PetscReal *worst);
 /*
-  For points that are put back to where the last step found them, which keep their stress: so that patches which touch do so there
-  under the same pressure, the points keep the gap that the step left in place of that at which they touch, and
-  the next step makes that of it (MpmRules.put_back).
+  For points returned to their places at the step's start with their stress: patches that touch shall do so there under
+  the pressure of the step. The points keep the gap that the step left in place of that at which they touch, and the
+  next step sets that from it (MpmRules.put_back).
 */
 PetscErrorCode MpmPairsPutBack(const void *ctx, PetscInt points, MpmParticles *particles);
 /*
-  For explicit steps dt: patches become so soft that none throws back what it stops, by the masses of the local nodes, and their
-  forces have no moment (body_impact.c). Collective.
+  For explicit steps dt: patches become so soft that none reverses the motion that it stops, by the masses of the local
+  nodes, and their forces have no moment (body_impact.c). Collective.
 */
 PetscErrorCode MpmPairsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
 /* From the mean of a side to node i of its box, m; 3 numbers. */
 void MpmPairArm(const MpmPairPatch *patch, PetscInt s, const MpmSum *sum, PetscInt i, PetscReal arm[]);
-/* What a node gets by its weight of a force on a side, 3 numbers, at this arm. */
+/* Share of a node, by its weight, in a force on a side, 3 numbers, at this arm. */
 void MpmPairNodeForce(const MpmPairLever *lever, const PetscReal force[], const PetscReal arm[], PetscReal at_node[]);
 /* Adds to the mean w, 3 numbers, what turning adds: `moment` is sum_i w_i r_i x u_i. */
 void MpmPairAddTurning(const MpmPairLever *lever, const PetscReal moment[], PetscReal sign, PetscReal w[]);

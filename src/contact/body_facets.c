@@ -1,16 +1,18 @@
 /*
   Facets of bodies in contact with one another.
 
-  A facet is a face of a point's domain that bounds its part of the material (outer_faces.c), with the weights of its mean
-  displacement at the nodes. Every rank has the facets of its own points and copies of those of other ranks that are near.
+  A facet is a face of a point's domain that bounds its part of the material (outer_faces.c), with the weights of its
+  mean displacement at the nodes. Every rank has the facets of its own points and copies of those of other ranks that
+  are near.
 
-  Where the surface of a body's region cut its lattice of points at an angle, faces are steps, which tell neither where the surface
-  is nor where it looks. The points know that from the start, normal N and depth D. The material carries it along:
+  Where the surface of a body's region cut its lattice of points at an angle, faces are steps, which show neither the
+  place nor the normal of the surface. Points keep both from the start, normal N and depth D. The material carries them
+  along:
 
     n = F^-T N/|F^-T N| ,   depth = D/|F^-T N| ,
 
-  and the facet stands on that surface, before the middle of its face. Where the region ends straight across an axis, but not where
-  the lattice does, the facet keeps that distance from its face.
+  and the facet stands on that surface, before the middle of its face. Where the region ends straight across an axis,
+  but not where the lattice does, the facet keeps that distance from its face.
 */
 #include "point/material.h"
 #include "grid/grid.h"
@@ -26,7 +28,7 @@
 
 #define SLACK 1.01 /* of the distance between points: domains may have been stretched */
 
-/* Is the part one of a contact? */
+/* True for a part in a contact. */
 static PetscBool InContact(const MpmPairs *pairs, PetscInt part)
 {
   for (PetscInt k = 0; k < pairs->count; k++)
@@ -35,8 +37,8 @@ static PetscBool InContact(const MpmPairs *pairs, PetscInt part)
 }
 
 /*
-  Where the facet looks, and how much of it. A face beyond which the surface took the next point of the lattice stands on the surface;
-  any other one of a point near it is the step of another.
+  Normal of the facet, and its area. A face beyond which the surface took the next point of the lattice stands on the
+  surface; any other one of a point near it is the step of another.
 */
 static void SetSurface(PetscInt dim, const MpmBodies *bodies, const MpmPoints *points, PetscInt p, PetscInt face,
                        const PetscReal arm[], MpmPairFacet *facet)
@@ -101,7 +103,8 @@ static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *r
   return made;
 }
 
-/* Where the faces of each part are: lower corners, and upper ones times -1; the longest arm of one from its point behind them, times -1. */
+/* Extents of the faces of each part: lower corners, and upper ones times -1; the longest arm from a point to its face,
+   times -1. */
 typedef struct {
   PetscInt   dim, parts;
   PetscReal *least, reach;
@@ -115,8 +118,9 @@ typedef struct {
       if ((points)->faces[p] & MpmFaceBit(face / 2, face % 2))
 
 /*
-  Faces that are so far from all of the part on the other side cannot lie across from one, nor be in the cell of one that does: the search,
-  a cell, and arms at both ends, which may end elsewhere on the surface that cut the lattice. Collective.
+  Faces so far from all of the part on the other side that they cannot lie across from one, nor be in the cell of one
+  that does: by the search, a cell, and arms at both ends, which may end elsewhere on the surface that cut the lattice.
+  Collective.
 */
 static PetscErrorCode FindExtents(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPoints *points,
                                   Extents *extents)
@@ -149,7 +153,7 @@ static PetscErrorCode FindExtents(const MpmPairContacts *contacts, const MpmGrid
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is a place of a part within reach of where another part's faces are that it has a contact with? */
+/* True where a place of a part is within reach of the faces of another part in contact with it. */
 static PetscBool IsNear(const Extents *extents, const MpmPairs *pairs, PetscInt part, const PetscReal x[])
 {
   for (PetscInt k = 0; k < 2 * pairs->count; k++) {
@@ -259,7 +263,8 @@ void MpmPairFacetsOfCell(const MpmPairContacts *contacts, const PetscInt cell[],
       if (contacts->facet[*end].cell[a] != (PetscReal)cell[a]) return;
 }
 
-/* Boxes around each part's points with outer faces, with room for what FindExtents() allows a face: do those of any pair meet? Collective. */
+/* Boxes around each part's points with outer faces, enlarged by the allowance of FindExtents(): true where those of
+   any pair meet. Collective. */
 static PetscErrorCode AnyNear(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPoints *points,
                               PetscBool *near)
 {
@@ -275,7 +280,8 @@ static PetscErrorCode AnyNear(const MpmPairContacts *contacts, const MpmGrid *gr
       least[k * stride + a]       = box[k].lower[a];
       least[k * stride + dim + a] = -box[k].upper[a];
     }
-    least[k * stride + 2 * dim] = -PetscSqrtReal(box[k].square); /* what no arm of a face is longer than, times -1 */
+    /* upper bound of the arms of faces, times -1 */
+    least[k * stride + 2 * dim] = -PetscSqrtReal(box[k].square);
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, least, (PetscMPIInt)(parts * stride), MPIU_REAL, MPIU_MIN, contacts->comm));
   for (PetscInt a = 0; a < dim; a++) h = PetscMax(h, grid->h[a]);

@@ -13,12 +13,12 @@ struct MpmPairFacet {
   PetscReal look[MPM_MAX_DIM], seen; /* outward normal of the surface, and the area seen along it; 0: a step's, */
                                      /* which tells nothing of the surface */
   PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* weights by axis */
-  PetscReal modulus, strength, plastic;       /* of the material: Pa, Pa, does it flow? */
-  PetscInt  placed;                           /* it stands on the surface that cut the lattice */
+  PetscReal modulus, strength, plastic;       /* of the material: Pa, Pa, plastic flow */
+  PetscInt  placed;                           /* on the surface that cut the lattice */
   PetscInt  material;
 };
 
-/* Finds them and puts them in one order, by cell, then by id; those of points in no contact are left out. Collective. */
+/* Finds them, in one order: by cell, then by id; those of points in no contact are left out. Collective. */
 PetscErrorCode MpmPairFacetsFind(MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points,
                                  const MpmSpace *space);
 /* Cells around a facet, `reach` sizes of the smallest on each side. */

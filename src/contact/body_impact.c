@@ -1,20 +1,22 @@
 /*
   Contact of bodies in explicit steps.
 
-  Forces act at the displacement that the nodes would have without them. With w = B u the mean relative displacement of a patch and M the
-  masses of the nodes, forces k A g of all patches change the gaps by dt^2 B M^-1 B^T k A g. They stop what meets and throw nothing back
-  where no row of that exceeds 1:
+  Forces act at the displacement that the nodes would have without them. With w = B u the mean relative displacement of
+  a patch and M the masses of the nodes, forces k A g of all patches change the gaps by dt^2 B M^-1 B^T k A g.
+  Approaching bodies are stopped without being thrown back where no row of that exceeds 1:
 
     k A <= 1/(dt^2 sum_j |B_k M^-1 B_j^T|) .
 
-  A uniform pressure then stops in one step, without depth, and the step is as long as the waves allow.
+  A uniform pressure then stops them in one step, without depth, and the step is as long as the waves allow.
 
-  The means of both sides stand where their facets do, x_1 and x_2, a part of a cell beside one another: equal and opposite forces there
-  have a moment. So the means are those at the place between, x = (x_1 + x_2)/2, with the mean turning of each side,
+  The means of both sides belong to places x_1 and x_2 of their facets, a fraction of a cell apart: equal and opposite
+  forces there have a moment. The means are therefore those at the place between, x = (x_1 + x_2)/2, with the mean
+  rotation of each side,
 
-    u(x) = sum_i w_i u_i + omega x (x - x_s) ,   omega = J^-1 sum_i w_i r_i x u_i ,   r_i = x_i - x_s ,   J = sum_i w_i (r_i.r_i I - r_i r_i^T) ,
+    u(x) = sum_i w_i u_i + omega x (x - x_s) ,   omega = J^-1 sum_i w_i r_i x u_i ,
+    r_i = x_i - x_s ,   J = sum_i w_i (r_i.r_i I - r_i r_i^T) ,
 
-  and the forces that go with it have neither resultant nor moment. One node alone does not turn: then x is its side's place.
+  and the conjugate forces have neither resultant nor moment. One node alone does not turn: then x is its side's place.
 */
 #include "grid/grid.h"
 #include "space/space.h"

@@ -1,6 +1,6 @@
 /*
-  One patch between two bodies: its mean relative displacement, and the force that goes with it (contact_law.c), as body_contact.c
-  has them.
+  One patch between two bodies: its mean relative displacement, and the conjugate force (contact_law.c), with the
+  equations of body_contact.c.
 */
 #include "space/space.h"
 #include "space/sum.h"

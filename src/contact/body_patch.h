@@ -8,12 +8,12 @@
 #define MPM_PAIR_WATER MPM_MAX_DIM /* place of the water beside the axes: difference of pressures, what passes */
 #define MPM_PAIR_ROWS  (MPM_MAX_DIM + 1)
 
-/* What a patch does at a mean relative displacement w. */
+/* Answer of a patch to a mean relative displacement w. */
 typedef struct {
   PetscBool active, refused; /* refused: the barrier has no answer */
   PetscReal gap, pressure;
   PetscReal force[MPM_MAX_DIM];                  /* on the first body */
-  PetscReal slip[MPM_MAX_DIM];                   /* what is kept of it */
+  PetscReal slip[MPM_MAX_DIM];                   /* slip to be kept */
   PetscReal stiffness[MPM_MAX_DIM][MPM_MAX_DIM]; /* -d force/dw */
 } MpmPairAnswer;
 
@@ -23,7 +23,7 @@ static inline PetscInt MpmPairComponent(const MpmPairContacts *contacts, PetscIn
   return row == MPM_PAIR_WATER ? contacts->water : row;
 }
 
-/* Does the row act? */
+/* True where the row acts. */
 static inline PetscBool MpmPairActs(const MpmPairPatch *patch, PetscInt dim, PetscInt row)
 {
   return (PetscBool)(row == MPM_PAIR_WATER ? patch->through > 0. : row < dim);

@@ -1,15 +1,15 @@
 /*
-  Facets and patches of bodies in contact with one another: where they may touch in a step.
+  Facets and patches of bodies in contact with one another: candidates of contact in a step.
 
-  Facets of the first body in one cell make a patch; each facet of the second body goes to the patch of the facet of the first
-  that lies across from it: the nearest one that looks the other way and before which its middle stands. The patch belongs to
-  the rank of the first body's points, which appends the nodes of both sides to its own.
+  Facets of the first body in one cell make a patch; each facet of the second body goes to the patch of the facet of the
+  first that lies across from it: the nearest one of opposite normal and before which its middle stands. The patch
+  belongs to the rank of the first body's points, which appends the nodes of both sides to its own.
 
-    n = (sum A_1 n_1 - sum A_2 n_2)/|...| ,   gap = n . (y_2 - y_1) ,   y the means of the facets' places, by their areas along n
+    n = (sum A_1 n_1 - sum A_2 n_2)/|...| ,   gap = n . (y_2 - y_1) ,
 
-  with the sums over facets near the patch, n_i their normals, A_i the areas seen along them (body_facets.c). What overlaps when
-  the run starts touches from there on, as at rigid surfaces. So do small gaps where a lattice was cut at an angle by a surface
-  that is not known: of points from a file.
+  with y the means of the facets' places, by their areas along n, the sums over facets near the patch, n_i their
+  normals, and A_i the areas along them (body_facets.c). Bodies that overlap when the run starts touch from there on, as
+  at rigid surfaces. Small gaps touch, too, where an unknown surface cut a lattice at an angle: of points from a file.
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
@@ -120,7 +120,8 @@ PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts)
 
 /* ---- who lies across from whom ---- */
 
-/* How far the middle of a facet of the second body is from one of the first; infinite where it does not lie before it. */
+/* Distance of the middle of a facet of the second body from one of the first; infinite where it does not lie before
+   it. */
 static PetscReal Across(PetscInt dim, const MpmPairFacet *one, const MpmPairFacet *other, PetscReal reach)
 {
   PetscReal dot = 0., along = 0., square = 0.;
@@ -177,7 +178,7 @@ static PetscInt Opposite(const MpmPairContacts *contacts, const MpmGrid *grid, c
   for (PetscInt s = 0; s < 2; s++) \
     for (PetscInt f = (patch)->side[s].begin; f < (patch)->side[s].end; f++)
 
-/* Does the facet look along the direction, of length 1, rather than across it? */
+/* True where the facet's normal is along the direction, of length 1, rather than across it. */
 static PetscBool Looks(PetscInt dim, const MpmPairFacet *facet, const PetscReal direction[])
 {
   PetscReal dot = 0.;
@@ -187,9 +188,9 @@ static PetscBool Looks(PetscInt dim, const MpmPairFacet *facet, const PetscReal 
 }
 
 /*
-  The outward normal of the first body about a place: the mean of both bodies' normals there by area, the nearest first, over the
-  facets that have one of the other body across. Those of the patch alone would tell of the steps of the lattices, not of the
-  surface that cut them, where that is not known. Steps count where there is nothing else (`all`).
+  The outward normal of the first body about a place: the mean of both bodies' normals there by area, the nearest first,
+  over the facets that have one of the other body across. Normals of the patch alone would show the steps of the
+  lattices, not the surface that cut them, where that is not known. Steps count where there is nothing else (`all`).
 */
 static PetscBool SmoothNormal(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPair *pair,
                               const MpmPairFacet *about, PetscBool all, PetscReal normal[])
@@ -356,7 +357,7 @@ static PetscErrorCode WeighSides(MpmPairContacts *contacts, const MpmSpace *spac
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Do the two have the same cell? */
+/* True where both are in one cell. */
 static PetscBool SameCell(const MpmPairFacet *one, const MpmPairFacet *other)
 {
   return (PetscBool)(one->cell[0] == other->cell[0] && one->cell[1] == other->cell[1] &&
@@ -487,8 +488,8 @@ static PetscErrorCode LoadField(const MpmPairContacts *contacts, PetscInt pair, 
 }
 
 /*
-  The gap at which a patch touches when the run starts: that of an overlap, or of rounding; and, where an unknown surface cut the
-  lattice, any one that is less than a facet's size.
+  Gap at which a patch touches when the run starts: that of an overlap, or of rounding; and, where an unknown surface
+  cut the lattice, any one that is less than a facet's size.
 */
 static PetscReal TouchesAtStart(PetscInt dim, const MpmPairContacts *contacts, const MpmPairPatch *patch)
 {
@@ -506,7 +507,7 @@ static PetscReal TouchesAtStart(PetscInt dim, const MpmPairContacts *contacts, c
   return patch->gap < within ? patch->gap : 0.;
 }
 
-/* What lets water through as the step starts, of the pair's contacts that do. */
+/* Conductance for water as the step starts, of the pair's open contacts. */
 static void OpenPatch(const MpmPairContacts *contacts, const MpmSum *sum, MpmPairPatch *patch)
 {
   const MpmPair  *pair     = &contacts->pairs->at[patch->pair];

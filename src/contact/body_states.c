@@ -1,8 +1,9 @@
 /*
   Patches between bodies from one of Newton's iterates to the next, and between its solutions.
 
-  Bodies that slide over one another have come to other facets as a step starts, by more than the depth of a stiff contact: where nothing
-  touches at the first iterate any more, what slid in the last step is held for one iteration.
+  Bodies that slide over one another have come to other facets as a step starts, by more than the depth of a stiff
+  contact. Where nothing touches at the first iterate any more, patches that slid in the last step are kept closed for
+  one iteration.
 */
 #include "space/space.h"
 #include "space/sum.h"
@@ -62,7 +63,7 @@ PetscErrorCode MpmPairsAugment(void *ctx, const MpmSum *sum, const PetscReal u[]
 
 #define NEAR 0.1 /* of a cell: what is farther apart has parted */
 
-/* Does any patch of the pair touch at u, on any rank? */
+/* True where any patch of the pair touches at u, on any rank. */
 static PetscErrorCode Touches(const MpmPairContacts *contacts, PetscInt pair, const MpmSum *sum, const PetscReal u[],
                               PetscBool *touches)
 {

@@ -11,10 +11,10 @@
 extern const MpmTerm MpmTermContact;     /* rigid surfaces (rigid_contact.c); ctx: MpmContacts */
 extern const MpmTerm MpmTermRigidBodies; /* those whose place is solved for (rigid_body.c); ctx: MpmContacts */
 
-/* So far off a face's normal a direction is along it: no step of a lattice. */
+/* Angle to a face's normal below which a direction is along it: no step of a lattice. */
 #define MPM_ALIGNED 1e-6
 
-/* What a piece's point keeps from step to step. */
+/* Values that a piece's point keeps from step to step. */
 typedef enum {
   MPM_PIECE_GAP,
   MPM_PIECE_SLIP,
@@ -34,7 +34,7 @@ typedef struct {
   PetscReal kept[MPM_PIECE_SLOTS];
 } MpmPiece;
 
-/* What a patch does. */
+/* State of a patch. */
 typedef enum { MPM_PATCH_OPEN, MPM_PATCH_STICKS, MPM_PATCH_SLIDES } MpmPatchState;
 
 /* The facets of one cell at one boundary: one mean gap, one mean slip, one traction. */
@@ -56,7 +56,7 @@ typedef struct {
 
 /* How Newton's method goes about what may slide (contact_states.c). */
 typedef struct {
-  PetscBool careful, secant; /* it takes, and takes now, the secants of what slides; */
+  PetscBool careful, secant; /* may take, and takes now, the secants of sliding patches */
   PetscBool holds;           /* and it holds patches, of any rank */
   PetscReal least;           /* stiffness of what slides along its way, over that across (contact_law.h) */
   PetscReal raised;          /* augmented: the stiffness in this step, over that of the penalty; */
@@ -102,13 +102,13 @@ typedef struct MpmContacts {
   masses of the local nodes (contact_patch.c).
 */
 PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
-/* That whose place is solved for, or NULL. */
+/* The body whose place is solved for, or NULL. */
 const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt boundary);
 /* The placement of such a boundary, `block` values a node, goes on by the step's unknowns u; that of others stays. */
 void MpmBoundaryAdvance(const MpmContacts *contacts, PetscInt boundary, PetscInt block, const PetscReal u[],
                         MpmPlacement *placement);
 
-/* What a patch does at displacements of its facets: those that the body sees where its boundary is free. */
+/* Answer of a patch to displacements of its facets, relative to the body where its boundary is free. */
 typedef struct {
   PetscBool active, any, slides;                                    /* the mean acts; a facet does */
   PetscReal stiffness;                                              /* of the mean: 0 where it does not act */
@@ -126,9 +126,9 @@ typedef struct {
 } MpmPatchWork;
 
 /*
-  What patches do from one of Newton's iterates to the next (contact_states.c). Begin: at the first one, with the local
-  unknowns u; with care, secants are taken. Follow: at another one, which has been accepted. End: all by the law, with
-  its derivative. Collective.
+  States of patches from one of Newton's iterates to the next (contact_states.c). Begin: at the first one, with the
+  local unknowns u; with care, secants are taken. Follow: at another one, which has been accepted. End: all by the law,
+  with its derivative. Collective.
 */
 PetscErrorCode MpmContactsBegin(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool careful);
 PetscErrorCode MpmContactsFollow(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool *changed);
@@ -160,7 +160,7 @@ void MpmPatchKeepSlip(const MpmContacts *contacts, const MpmPatch *patch, const 
 /* The force on the material at a facet. */
 void MpmFacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
                    const MpmPatchAnswer *answer, PetscReal force[]);
-/* What facet f adds on its own to the tangent, of directions c and d: its curvature, and what is beyond the tilt. */
+/* Own contribution of facet f to the tangent, of directions c and d: its curvature, and terms beyond the tilt. */
 PetscReal MpmFacetStiffness(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
                             const MpmPatchAnswer *answer, PetscInt c, PetscInt d);
 /* Its weights at the nodes of the patch's box, sum_i w_i u_i over them, and y_i += factor w_i force. */
@@ -182,7 +182,7 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
 /* Room for the boundaries' poses and reactions; the boundaries are borrowed. */
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts);
 PetscErrorCode MpmContactsDestroy(MpmContacts *contacts);
-/* Do the scene's points suit a boundary? */
+/* Refuses points of the scene that do not suit a boundary. */
 PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles);
 /* Finds the step's patches and appends their boxes to the space (a term's `boxes`). */
 PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
@@ -190,8 +190,8 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
 void MpmContactsStartDistance(const MpmContacts *contacts, const PetscReal outward[], MpmFacet *facet,
                               MpmSurface *surface);
 /*
-  Round bodies of the material (round_facets.c). Sees: does a face belong to a round surface, which
-  the boundary takes as it is? Then Add adds its facets, where they are no farther from the boundary than `margin`.
+  Round bodies of the material (round_facets.c). Sees: true where a face belongs to a round surface that the boundary
+  accepts. Add then adds its facets, where they are no farther from the boundary than `margin`.
 */
 PetscBool      MpmContactsSeesRound(const MpmContacts *contacts, const MpmPoints *points, PetscInt boundary, PetscInt p,
                                     PetscInt face);
@@ -199,7 +199,7 @@ PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, cons
                                    const MpmFacet *start);
 /*
   Faces near an edge of the boundary (edge_facets.c), in cells of sizes h, m; `sides`: the vectors of half of a face's
-  dim - 1 sides. AtEdge: is the facet single, and into how many slices is its face cut, or 0? SlicePlace: from the
+  dim - 1 sides. AtEdge: marks a single facet, and returns the number of slices of its face, or 0. SlicePlace: from the
   face's middle to the slice's.
 */
 PetscInt       MpmContactsAtEdge(const MpmContacts *contacts, const PetscReal h[], PetscReal (*sides)[MPM_MAX_DIM],

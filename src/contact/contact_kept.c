@@ -1,5 +1,6 @@
 /*
-  What the points beside boundaries keep from step to step: slips, gaps, pressures. Here they are put into the patches with which a step starts.
+  Values that the points beside boundaries keep from step to step: slips, gaps, pressures. Here they are written into
+  the patches at a step's start.
 */
 #include "particles/particles.h"
 #include "assembly/terms.h"
@@ -15,8 +16,8 @@ static PetscReal Kept(const MpmContacts *contacts, PetscInt f, const PetscReal f
 }
 
 /*
-  Numbers that the points keep, at the facets of a boundary. Where these are pieces of its surface, points that have come to
-  it since take the mean of the others in their patch: those that kept a gap.
+  Kept numbers of the points, at the facets of a boundary. Where these are pieces of its surface, points that have come
+  to it since take the mean of the others in their patch: those that kept a gap.
 */
 static PetscErrorCode Load(const MpmContacts *contacts, PetscInt b, const char *field, MpmPieceSlot slot,
                            MpmParticles *particles, PetscReal value[])
@@ -77,8 +78,8 @@ static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, 
 }
 
 /*
-  Pieces of the surface start with the gap that their points had in their last patch: where they are says nothing of how far
-  the material is off.
+  Pieces of the surface start with the gap that their points had in their last patch: their place does not show the
+  distance of the material.
 */
 static PetscErrorCode LoadGaps(MpmContacts *contacts, MpmParticles *particles)
 {

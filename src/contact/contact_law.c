@@ -3,18 +3,19 @@
 
     t = k' s  while  |k' s| <= L ,  t = L s/|s|  else ,   L = mu max(p, 0) + adhesion, at most the material's strength
 
-  What sticks to a material whose strength has no bound has L = 10 p where it may part: where it does the traction has to go to zero with the
-  pressure, or there may be no state in balance.
+  Sticking to a material whose strength has no bound has L = 10 p where the contact may open. On opening the traction
+  has to vanish with the pressure, or there may be no state in balance.
 
-  What has slid keeps s = t/k'. k' = k where nothing can slide and where bodies roll, and a small part of k elsewhere: a change of
-  pressure moves the bound L, and with equal stiffness the slip that follows would throw Newton's method from sticking to sliding and
-  back.
+  After sliding s = t/k' is kept. k' = k where nothing can slide and where bodies roll, and a small fraction of k
+  elsewhere. A change of pressure moves the bound L, and with equal stiffness the slip that follows would throw Newton's
+  method from sticking to sliding and back.
 
-  What slides is not stiff along its way, so that a body which nothing but friction holds, a strip between two rollers, is free to go while
-  all of it slides; Newton's method then throws it from sliding one way to sliding the other. With the secant t/s in place of dt/ds it
-  comes to where some of it sticks; the solver takes that until nothing changes any more between two iterates (contact_states.c). Where a
-  body slides to both sides as its weight spreads it, any place within the slips is one of rest: a least stiffness, too small to be felt where
-  anything holds, has it stay where it is, in place of where rounding errors send it.
+  Sliding has no stiffness along the slip. A body supported by friction alone, such as a strip between two rollers, is
+  then free to move while all of it slides; Newton's method throws it from sliding one way to sliding the other. With
+  the secant t/s in place of dt/ds it comes to a state where some of it sticks; the solver takes secants until nothing
+  changes any more between two iterates (contact_states.c). Where a body slides to both sides as its weight spreads it,
+  any place within the slips is in equilibrium. A least stiffness, negligible beside any other, then keeps it in place
+  against rounding errors.
 
   The barrier is p = -k d0 b'(x), b = -(x - 1)^2 ln x, x = g/d0 up to 1. Source: Li, Fang, Li and Jiang (2022), BFEMP,
   doi:10.1016/j.cma.2021.114350.

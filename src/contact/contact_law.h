@@ -1,13 +1,14 @@
 #pragma once
 /*
-  The law of contact of a patch, of bodies with rigid surfaces and with one another: pressure by gap, traction by slip and pressure.
+  The law of contact of a patch, of bodies with rigid surfaces and with one another: pressure by gap, traction by slip
+  and pressure.
 */
 #include "base/base.h"
 
 /* While Newton's method looks for a state: the derivative of what slides along its way, over the stiffness across. */
 #define MPM_CONTACT_LEAST 1e-8
 
-/* What holds between two surfaces. */
+/* Parameters between two surfaces. */
 typedef struct {
   PetscReal stiffness;          /* across, Pa/m */
   PetscReal along;              /* stiffness along the surface over that across, of what may slide */
@@ -33,13 +34,14 @@ static inline void MpmContactAcross(PetscInt dim, const PetscReal n[], PetscReal
   for (PetscInt a = 0; a < dim; a++) v[a] -= dot * n[a];
 }
 /*
-  Traction at a slip and a pressure, and its derivatives; the slip becomes what is kept of it: what the traction stretches.
-  Does it slide?
+  Traction at a slip and a pressure, and its derivatives; the slip becomes the kept one: the elastic slip of the
+  traction. True where it slides.
 */
 PetscBool MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
                           MpmContactFriction *friction);
 /*
-  A barrier's pressure at a gap, 0 from `reach` on, and its fall with the gap; PETSC_FALSE where there is none, the gap being gone.
+  A barrier's pressure at a gap, 0 from `reach` on, and its fall with the gap; PETSC_FALSE where there is none, the gap
+  being closed.
 */
 PetscBool MpmContactBarrier(const MpmContactLaw *law, PetscReal reach, PetscReal gap, PetscReal *pressure,
                             PetscReal *rate);

@@ -49,8 +49,8 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
 }
 
 /*
-  k'/k of what may slide; less than 1 for the sake of Newton's method. What rolls leaves its slip behind with the places that part: it
-  creeps by as much as they give.
+  k'/k of contacts that may slide; less than 1 for the sake of Newton's method. Rolling contact leaves its slip behind
+  where contact opens: it creeps by the elastic slip.
 */
 #define SLIDING 0.1
 #define EQUAL   1.
@@ -60,7 +60,7 @@ PetscReal MpmPatchAlong(const MpmContacts *contacts, const MpmPatch *patch)
   return (patch->round || patch->direct ? EQUAL : SLIDING) / MpmContactsGiving(contacts, patch->boundary);
 }
 
-/* The traction of a patch that is held and glides: no more than its pressure changes it. */
+/* Traction of a patch that is kept closed and glides: no more than its pressure changes it. */
 static void Glide(const MpmBoundary *boundary, const MpmPatch *patch, PetscReal pressure, MpmPatchAnswer *answer)
 {
   answer->slides = PETSC_TRUE;
@@ -122,8 +122,9 @@ static PetscReal Beyond(const MpmContacts *contacts, PetscBool holds, PetscReal 
 }
 
 /*
-  Distances at the step's end. A flat face stays the one that a facet met at the step's start, as a plane that moves with the
-  boundary: another one may be nearer to Newton's iterates, which fall deep into it, and to what is squeezed out under an edge.
+  Distances at the step's end. A flat face stays the one that a facet met at the step's start, as a plane that moves
+  with the boundary. Another one may be nearer to Newton's iterates, which fall deep into it, and to material squeezed
+  out under an edge.
 */
 static void Distances(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work)
 {
@@ -181,7 +182,8 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     PetscReal      *value   = work->value[f - patch->begin], at[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + value[a];
-    /* what rounding took from the place counts where a body's balance depends on its depth */
+    /* rounding of the place counts where a body's balance depends on its depth */
+
     for (PetscInt a = 0; a < dim && MpmContactsBody(contacts, patch->boundary); a++)
       surface->distance += surface->normal[a] * (value[a] - (at[a] - facet->place[a]));
     work->beyond[f - patch->begin] = Beyond(contacts, holds, surface->distance - facet->touches - facet->turn);
@@ -256,12 +258,12 @@ PetscReal MpmFacetStiffness(const MpmContacts *contacts, const MpmPatch *patch, 
 }
 
 /*
-  Contact in explicit steps: a penalty stays stable only while it cannot throw back what it stops.
+  Contact in explicit steps: a penalty stays stable only while it cannot reverse the motion that it stops.
 
-  A patch sees the mean displacement of its facets, sum_i w_i u_i, behind which is the mass 1/sum_i w_i^2/m_i. With the force k A g at
-  the gap g that the step would end with, k A <= m/dt^2 brings it to zero at most. Each node of a surface is shared by 2^(dim - 1)
-  patches, whose forces add up: each gets its part. Facets on round surfaces are patches by themselves, many in a cell, with a cell's area
-  together.
+  A patch has the mean displacement of its facets, sum_i w_i u_i, with the mass 1/sum_i w_i^2/m_i. With the force k A g
+  at the gap g at the step's end without it, k A <= m/dt^2 brings the gap to zero at most. Each node of a surface is
+  shared by 2^(dim - 1) patches, whose forces add up: each gets its share. Facets on round surfaces are patches by
+  themselves, many in a cell, with a cell's area together.
 */
 
 /* The inverse of the mass that the patch moves, 1/kg; nodes without mass do not count. */

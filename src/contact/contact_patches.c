@@ -1,20 +1,22 @@
 /*
-  Facets and patches: where the material may touch rigid surfaces in a step.
+  Facets and patches: candidates of contact with rigid surfaces in a step.
 
-  A facet is a face of a point's domain that bounds the material (outer_faces.c). It stands at y = x + F l_a e_a, with the
-  outward area a = cof(F) A_a e_a; what of it faces a surface of normal n is A = -a . n. Summed over the steps of a lattice that was
-  cut at an angle, A is the area of the cut.
+  A facet is a face of a point's domain that bounds the material (outer_faces.c). Its place is y = x + F l_a e_a, with
+  the outward area a = cof(F) A_a e_a; its area towards a surface of normal n is A = -a . n. Summed over the steps of a
+  lattice that was cut at an angle, A is the area of the cut.
 
-  The facets of one cell form a patch, those at different sides of something with flat faces one each, those on round surfaces
-  (round_facets.c) and those near an edge of a boundary (edge_facets.c) are one each. A patch has one mean gap
-  and one mean slip, as a mortar method with one multiplier a cell has them: with a condition at every facet the surface would have
-  more conditions than the cells have unknowns, and what lies near it would move with it as one.
+  The facets of one cell form a patch, those at different sides of a boundary with flat faces one each. Those on round
+  surfaces (round_facets.c) and those near an edge of a boundary (edge_facets.c) are one each. A patch has one mean gap
+  and one mean slip, as in a mortar method with one multiplier a cell. With a condition at every facet the surface would
+  have more conditions than the cells have unknowns, and material near it would move with it as one.
 
-  Where a surface cut the lattice, facets stand up to half a point's spacing off it, on either side. That distance is theirs from
-  then on, stretched as the material is across the surface: they touch where the distance is what it was at the start. So a body that is put on a surface sits on it.
+  Where a surface cut the lattice, facets stand up to half a point's spacing off it, on either side. Facets keep that
+  distance from then on, stretched as the material is across the surface: contact is at the initial distance. A body
+  that is put on a surface therefore sits on it.
 
-  What a bilateral boundary holds may flow along it. When faces there have been drawn out or crowded, facets are pieces of the boundary's
-  own surface (surface_shares.c), in patches about nodes where material slides there (surface_pieces.c).
+  Material in contact with a bilateral boundary may flow along it. When faces there have been drawn out or crowded,
+  facets are pieces of the boundary's own surface (surface_shares.c), in patches about nodes where material slides there
+  (surface_pieces.c).
 */
 #include "geometry/geometry.h"
 #include "point/material.h"
@@ -90,7 +92,8 @@ static PetscReal Reach(PetscInt dim, const PetscReal half[], const PetscReal n[]
   return reach;
 }
 
-/* The share of its reach at which the point stands at the start: 1 for all but those that lie nearer. Also its distance. */
+/* Fraction of its reach at which the point stands at the start: 1 for all but those that lie nearer. Also its
+   distance. */
 static PetscReal InitialShare(const MpmBoundary *boundary, const MpmPoints *points, PetscInt p, PetscReal *distance,
                               PetscReal *reach)
 {
@@ -141,7 +144,7 @@ static void InitialPlace(PetscInt dim, const MpmPoints *points, PetscInt p, Pets
   at[face / 2] += (face % 2 ? 1. : -1.) * points->half_length[p * dim + face / 2];
 }
 
-/* Does a face of the lattice look straight at a surface? Then it is no step where the surface cut the lattice. */
+/* True where a face of the lattice is parallel to a surface: then it is no step where the surface cut the lattice. */
 static PetscBool Aligned(const PetscReal normal[], PetscInt face)
 {
   return (PetscBool)((face % 2 ? -1. : 1.) * normal[face / 2] > 1. - MPM_ALIGNED);
@@ -179,9 +182,10 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
 }
 
 /*
-  Did the face touch the boundary at the start, and at which distance? It did where the boundary is the reason for which the lattice
-  has no point beyond the face. A face along the surface is no step of a cut lattice: its gap is meant, unless the region of its body was
-  drawn as far as to the surface. It is the body's face from then on, and keeps the distance that it has.
+  True where the face touched the boundary at the start, with the distance: where the boundary is the reason for which
+  the lattice has no point beyond the face. A face along the surface is no step of a cut lattice: its gap is intended,
+  unless the region of its body was drawn as far as to the surface. A touching face is the body's from then on, and
+  keeps its distance.
 */
 static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const MpmPoints *points, PetscInt p,
                                 PetscInt face, PetscReal *touches)
@@ -227,16 +231,16 @@ PetscInt64 MpmContactsCell(const MpmGrid *grid, const PetscReal x[], PetscInt pa
   return number;
 }
 
-/* What of a point's faces meets a boundary from two sides or more: its edge or corner stands out. */
+/* Faces of a point that meet a boundary from two sides or more: its edge or corner stands out. */
 typedef struct {
   PetscInt  count;
   PetscReal arm[MPM_MAX_DIM], initial[MPM_MAX_DIM], outward[MPM_MAX_DIM], area;
 } Corner;
 
 /*
-  The edge or corner in which the faces that look at the boundary meet, a facet with a patch of its own: where it stands out
-  towards the surface it touches long before the faces' middles do. Where the surface cut the lattice there are none: each step
-  of the lattice would be one.
+  The edge or corner in which the faces towards the boundary meet, a facet with a patch of its own: where it stands out
+  towards the surface it touches long before the faces' middles do. Where the surface cut the lattice there are none:
+  each step of the lattice would be one.
 */
 static PetscErrorCode CornerFacet(MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmPoints *points,
                                   const MpmFacet *start, const Corner *corner)
@@ -267,9 +271,9 @@ static PetscErrorCode CornerFacet(MpmContacts *contacts, PetscInt b, PetscReal m
 }
 
 /*
-  The cell whose patch a facet joins: its point's own or, where the point's middle is beyond the surface, that before the surface. A
-  patch of its own would push it out in one step, which those beside it, as deep, are not: then it would be back in their cell, and so
-  on.
+  The cell whose patch a facet joins: its point's own or, where the point's middle is beyond the surface, that before
+  the surface. A patch of its own would push it out in one step, unlike its equally deep neighbours: then it would be
+  back in their cell, and so on.
 */
 static PetscInt64 PatchCell(const MpmContacts *contacts, const MpmGrid *grid, const MpmPoints *points,
                             const MpmFacet *facet, const PetscReal arm[], const MpmSurface *surface)
@@ -284,9 +288,9 @@ static PetscInt64 PatchCell(const MpmContacts *contacts, const MpmGrid *grid, co
 }
 
 /*
-  How much a face counts that looks past the boundary rather than at it, from 0 to 1. A side that shear has turned by a hair faces the surface
-  with a hair of its area, but stands off it by half a domain: in the mean gap that is more than the depth of a stiff contact. It
-  comes in by and by as it turns on, or forces would jump. The steps of a cut lattice count.
+  Weight of a face nearly perpendicular to the boundary, from 0 to 1. A side that shear has turned slightly has a small
+  area towards the surface, but is half a domain away from it: in the mean gap that is more than the depth of a stiff
+  contact. The weight grows smoothly with the angle, or forces would jump. The steps of a cut lattice count.
 */
 static void RegardFacet(const MpmContacts *contacts, PetscReal square, MpmFacet *facet)
 {
@@ -400,13 +404,14 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
     cut = (PetscBool)(cut || (touched && contacts->cut[b]));
     count++;
   }
-  /* what is left of cut domains does not fill the space: some of their faces bound nothing, and keep their distance, too */
+  /* cut domains do not fill the space: some of their faces bound nothing, and keep their distance, too */
+
   for (PetscInt k = 0; k < count && cut; k++) contacts->facet[contacts->facet_count - count + k].touches = kept[k];
   PetscCall(CornerFacet(contacts, b, margin, points, start, &corner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Have faces that a bilateral boundary holds, and that do not follow it, been drawn out or crowded? */
+/* True where faces in contact with a bilateral boundary, and that do not follow it, have been drawn out or crowded. */
 static PetscErrorCode FindDrawn(MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmPoints *points)
 {
   const PetscInt dim   = grid->dim;
@@ -500,9 +505,9 @@ static void IncludeGroup(MpmGroup *box, const MpmGroup *group)
 }
 
 /*
-  Pressure by depth, times the cell size. What flows bears pressures that are small beside its modulus: a soft penalty is deep enough
-  then, and Newton's method gets on better as the material slides along a curved surface. Round bodies are soft themselves where they
-  touch, by more than their penalty, and need the fewer iterations the softer it is.
+  Pressure by depth, times the cell size. Plastic material carries pressures that are small beside its modulus: a soft
+  penalty is deep enough then, and Newton's method converges better as the material slides along a curved surface. Round
+  bodies are soft themselves where they touch, by more than their penalty, and need fewer iterations the softer it is.
 */
 static PetscReal Penalty(const MpmBoundary *boundary, const MpmMaterial *material, PetscReal modulus, PetscBool round)
 {
@@ -651,7 +656,7 @@ static void Weights(const MpmContacts *contacts, const MpmRules *rules, const Mp
   }
 }
 
-/* What the material bears along the surface: the mean over the facets, infinite where one of their laws has no limit. */
+/* Strength of the material along the surface: mean over the facets, infinite where one of their laws has no limit. */
 static void Strengths(MpmContacts *contacts, const MpmSum *sum)
 {
   for (PetscInt k = 0; k < contacts->patch_count; k++) {

@@ -1,9 +1,9 @@
 /*
-  Is contact near? A box around all points answers first, and where it may be near boxes around a few points with outer faces, so that far
-  contact costs a look.
+  Search for nearby contact. A box around all points answers first; where contact may be near, boxes around a few points
+  with outer faces do, so that far contact is cheap.
 
-  No distance from a surface grows faster than the way: what is farther from the middle of a box than half its diagonal and the margin is
-  too far from all points in it. So the answers differ in nothing from those that the points give one by one.
+  No distance from a surface grows faster than the displacement: a surface farther from the middle of a box than half
+  its diagonal and the margin is too far from all points in it. The answers thus agree with those of the single points.
 */
 #include "geometry/geometry.h"
 #include "grid/grid.h"
@@ -98,7 +98,7 @@ MPM_INLINE PetscReal MeasureOf(const Measure measure, PetscReal value)
   return measure == SQUARE ? value * value : measure == OPPOSITE ? -value : value;
 }
 
-/* The largest measure of each of the components of count rows; rows of `abreast` stand side by side, which vectorises. */
+/* Largest measure of each of the components of count rows; rows of `abreast` stand side by side, which vectorises. */
 MPM_INLINE void Most(const PetscInt components, const PetscInt abreast, const Measure measure, PetscInt count,
                      const PetscReal value[], PetscReal most[])
 {
@@ -122,8 +122,8 @@ MPM_INLINE void Most(const PetscInt components, const PetscInt abreast, const Me
 }
 
 /*
-  The box of all points [begin, end), with faces or not: to look at every number costs less than to look which points have one. No
-  F is larger than what is largest in each of its entries.
+  The box of all points [begin, end), with faces or not: visiting every number costs less than selecting points with
+  faces. No F is larger than the largest of each of its entries.
 */
 MPM_INLINE void BoxOfAll(const PetscInt dim, const MpmPoints *points, PetscInt begin, PetscInt end, MpmFaceBox *box)
 {
@@ -256,7 +256,7 @@ PetscBool MpmContactsIsFar(const MpmContacts *contacts, PetscInt b, PetscReal ma
   return (PetscBool)(surface.distance > margin + REACH * Edges(dim, points, p));
 }
 
-/* The same for all points in a box. The way that a surface goes at a place is largest in a corner. */
+/* MpmContactIsFar() for all points in a box. The motion of a surface is largest in a corner. */
 static PetscBool BoxIsFar(const MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmFaceBox *box)
 {
   const PetscInt  dim                 = grid->dim;
@@ -282,7 +282,8 @@ static PetscBool BoxIsFar(const MpmContacts *contacts, PetscInt b, const MpmGrid
   return (PetscBool)(surface.distance * (1. - ROUNDING) > margin * (1. + ROUNDING));
 }
 
-/* The same, by halves of the box and halves of these where that is not enough: bodies are mostly longer than they are thick. */
+/* BoxIsFar() by halves of the box and halves of these where that is not enough: bodies are mostly longer than they are
+   thick. */
 static PetscBool IsFarInHalves(const MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmFaceBox *box,
                                PetscInt halvings)
 {

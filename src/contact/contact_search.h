@@ -1,13 +1,13 @@
 #pragma once
 /*
-  Boxes around the points whose faces bound the material: asked before any facet is made, whether contact may be near at all
-  (contact_search.c).
+  Boxes around the points whose faces bound the material: a test, before any facet is made, whether contact may be near
+  at all (contact_search.c).
 */
 #include "contact/contact.h"
 
 /*
-  Around points with an outer face, at least: where they are, m, and a square, m2, which that of no half edge |F e_a| l_a of a domain is
-  above: the largest l_a^2 times |F|^2 = sum_ab F_ab^2. None: lower is above upper.
+  Around points with an outer face, at least: their extent, m, and a bound on the square of half edges |F e_a| l_a of a
+  domain, m2: the largest l_a^2 times |F|^2 = sum_ab F_ab^2. None: lower is above upper.
 */
 typedef struct {
   PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], square;
@@ -29,14 +29,16 @@ PetscErrorCode MpmFaceBoxesCreate(MpmFaceBoxes **boxes);
 /* A step's points are these; nothing is done where all boundaries are bilateral. */
 PetscErrorCode MpmFaceBoxesBegin(MpmContacts *contacts, const MpmPoints *points);
 PetscErrorCode MpmFaceBoxesDestroy(MpmFaceBoxes **boxes);
-/* Are all points too far from a boundary that is not bilateral? If not, MpmFaceBoxIsFar() tells of which this is known. */
+/* True where all points are too far from a boundary that is not bilateral. Otherwise MpmFaceBoxIsFar() says where they
+   are. */
 PetscErrorCode MpmFaceBoxesFind(const MpmContacts *contacts, PetscInt boundary, const MpmGrid *grid,
                                 const MpmPoints *points, PetscBool *far);
 PetscBool      MpmFaceBoxIsFar(const MpmContacts *contacts, PetscInt boundary, PetscInt p);
 
 /*
-  How far from a place a boundary is looked for, m: what the material and the surface may come nearer in the step. And is all of a
-  point's domain farther from it than this margin, and what of a round region lies before its faces, less than a length of the domain?
+  Reach of the search for a boundary from a place, m: the largest approach of material and surface in the step. The
+  second function is true where all of a point's domain is farther than this margin, and the round region before its
+  faces less than a length of the domain.
 */
 PetscReal MpmContactsMargin(const MpmContacts *contacts, const MpmGrid *grid, PetscInt boundary, const PetscReal x[]);
 PetscBool MpmContactsIsFar(const MpmContacts *contacts, PetscInt boundary, PetscReal margin, const MpmPoints *points,

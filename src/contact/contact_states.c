@@ -1,14 +1,15 @@
 /*
-  What patches do from one of Newton's iterates to the next.
+  States of patches from one of Newton's iterates to the next.
 
-  The first iterate is extrapolated from the last step. It leaves the surface by more than the depth of a stiff contact, where facets have
-  come into other patches, and where a die that came down starts to go sideways, or a roller to turn: Newton's method would start with
-  a part of the contact only, and what is free springs back, deep into the surface. So what touched at the step's start, and does not at
-  the first iterate, is held for the first iteration, and is pulled back where it has gone. It goes on to slide where this
-  step's slip is far beyond what its pressure at the start can hold, and sticks elsewhere.
+  The first iterate is extrapolated from the last step. This iterate leaves the surface by more than the depth of a
+  stiff contact, where facets have come into other patches, and where a die that came down starts to go sideways, or a
+  roller to turn. Newton's method would then start with a fraction of the contact only, and the remainder would spring
+  back, deep into the surface. Therefore contacts that are closed at the step's start and open at the first iterate are
+  kept closed for the first iteration. Such contacts glide where this step's slip is far beyond the limit of their
+  pressure at the start, and stick elsewhere.
 
-  With care, while patches go on to touch, part, stick, slide or turn round from one iterate to the next, the derivative of what slides is its secant
-  (contact_law.c). When nothing has changed in an iteration, it is the exact one.
+  With care, while patches close, open, stick, slide or reverse from one iterate to the next, the derivative of sliding
+  is its secant (contact_law.c). When nothing has changed in an iteration, it is the exact one.
 */
 #include "grid/grid.h"
 #include "space/sum.h"
@@ -20,7 +21,7 @@
 #define RESTED 0.5 /* of the slip that slides now: what was less did not slide */
 #define FAR    2.  /* times what friction holds at the step's start: a slip that is far beyond it */
 
-/* What a patch does at u. */
+/* State of a patch at u. */
 static MpmPatchState StateOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                              MpmPatchWork *work, MpmPatchAnswer *answer)
 {
@@ -45,7 +46,7 @@ static PetscReal StartGap(const MpmContacts *contacts, const MpmPatch *patch)
   return gap;
 }
 
-/* Does it slide another way than the slip that is kept of the last step, or from rest? */
+/* True where it slides in another direction than the slip kept of the last step, or from rest. */
 static PetscBool Turned(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer)
 {
   PetscReal slip[MPM_MAX_DIM] = {0., 0., 0.}, along = 0., square = 0., before = 0.;
@@ -61,7 +62,7 @@ static PetscBool Turned(const MpmContacts *contacts, const MpmPatch *patch, cons
   return (PetscBool)(along < TURNED * PetscSqrtReal(square * before) || before < PetscSqr(RESTED) * square);
 }
 
-/* Is a patch that is open at u to be held, and does it glide? */
+/* Keeps a patch that is open at u closed where required, sticking or gliding. */
 static void Hold(const MpmContacts *contacts, MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                  MpmPatchWork *work)
 {

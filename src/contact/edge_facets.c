@@ -1,15 +1,17 @@
 /*
   Faces of the material near edges of boundaries with flat faces.
 
-  Under the edge of a footing pressure is singular; there contact ends, or goes on at the footing's side over a part of a cell. Both are too
-  much for a mean gap over a cell: under n cells it leaves one of the n + 1 nodes free, which then enters the footing, and at the
-  side it touches as a whole or not at all, as half of the cell's faces are far off. So a facet with an edge no farther than a
-  cell is a patch by itself.
+  Under the edge of a footing pressure is singular; contact ends there, or goes on at the footing's side over a fraction
+  of a cell. A mean gap over a cell cannot resolve either. Under n cells it leaves one of the n + 1 nodes free, which
+  then enters the footing; at the side it touches as a whole or not at all, as half of the cell's faces are far off. A
+  facet with an edge no farther than a cell is therefore a patch by itself.
 
-  As a whole a face would go from the base to the side when its middle passes the edge, with a jump in force, and the width that
-  bears would be known to half a face only. So a face that meets an edge is cut into slices, a facet each.
+  As a whole a face would go from the base to the side when its middle passes the edge, with a jump in force, and the
+  bearing width would be known to half a face only. A face that meets an edge is therefore cut into slices, a facet
+  each.
 
-  Not so where a boundary is bilateral, which holds the faces that touched at the start, or cut the lattice of points, whose faces are steps.
+  Not so where a boundary is bilateral, which fixes the faces that touched at the start, or cut the lattice of points,
+  whose faces are steps.
 */
 #include "geometry/geometry.h"
 #include "contact/contact.h"
@@ -19,7 +21,7 @@
 #define BENT \
   0.1 /* of the way from a face's middle to its corner: so far off a plane's the distance there shows an edge */
 
-/* Does the surface end, or bend, no farther than a cell of sizes h from a facet, along its plane? */
+/* True where the surface ends, or bends, no farther than a cell of sizes h from a facet, along its plane. */
 static PetscBool EdgeIsNear(const MpmContacts *contacts, const PetscReal h[], const MpmFacet *facet,
                             const MpmSurface *surface)
 {
@@ -45,7 +47,7 @@ static void AlongFace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], PetscReal s
   for (PetscInt a = 0; a < dim; a++) way[a] = s * sides[0][a] + (dim > 2 ? t * sides[1][a] : 0.);
 }
 
-/* Are the distances at the face's corners not those from a plane? */
+/* True where the distances at the face's corners are not those from a plane. */
 static PetscBool MeetsEdge(const MpmContacts *contacts, PetscReal (*sides)[MPM_MAX_DIM], const MpmFacet *facet)
 {
   const PetscInt dim = contacts->boundaries[facet->boundary].dim;

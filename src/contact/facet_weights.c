@@ -1,16 +1,18 @@
 /*
-  Weights of a face at the nodes that its point touches, on each axis: so that a uniform pressure on an even face is consistent with
-  uniform stress, in every node.
+  Weights of a face at the nodes that its point touches, on each axis: so that a uniform pressure on an even face is
+  consistent with uniform stress, in every node.
 
-  Shapes with a domain: those of the part of the domain about the face that is in the domain, the face's middle across, the
-  domain's mean along. The corner of a domain that has turned stands out of it, which is along the axes: its displacement goes on
-  from the domain's edge with the gradient at the point. Otherwise what turns would slip there by as much as the corner stands out.
+  Shapes with a domain: the weights of the portion of the domain about the face, the face's middle across, the domain's
+  mean along. The corner of a domain that has turned stands out of it, which is along the axes: its displacement goes on
+  from the domain's edge with the gradient at the point. Otherwise a turning face would slip there by as much as the
+  corner stands out.
 
-  Shapes without one: those of the polynomials that hold in the point's own knot intervals, which go on where the face stands in the
-  next ones.
+  Shapes without one: those of the polynomials of the point's own knot intervals, which are extended where the face
+  stands in the next ones.
 
-  On a round surface, off which the face stands, the displacement is that of the point and its gradient, so that the force has its
-  moment about the body's middle, and the body rolls over its true radius. Nodes with little mass then have little of the force.
+  On a round surface, off which the face stands, the displacement is that of the point and its gradient, so that the
+  force has its moment about the body's middle, and the body rolls over its true radius. Nodes with little mass then
+  have little of the force.
 */
 #include "grid/grid.h"
 #include "grid/shape.h"

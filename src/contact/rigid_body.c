@@ -1,11 +1,12 @@
 /*
-  Rigid bodies that are pushed: boundaries with unknowns of their own, solved for with the grid's.
+  Rigid bodies with unknown position, loaded by forces: boundaries with unknowns of their own, solved for with the
+  grid's.
 
   A free body appends two extra nodes to the step's space: its translation, and its rotation times its size, so that all
-  unknowns are lengths and all residuals forces. What its contacts do to nodes and body, and the derivatives, is in
-  rigid_motion.c, of a patch in rigid_patch.c; here it is summed. Its equations say that the forces of the contacts and what pushes the body are in
-  balance. Components that nothing resists (the rotation of a smooth disc) have no stiffness: the matrix, not the
-  residual, has LIFT times that of a node on the bodies' diagonal, which keeps them where they are.
+  unknowns are lengths and all residuals forces. The action of its contacts on nodes and body, with derivatives, is in
+  rigid_motion.c, that of a patch in rigid_patch.c; here it is summed. Its equations are the balance of the contact
+  forces and its loads. Components without any resistance (the rotation of a smooth disc) have no stiffness: the matrix,
+  not the residual, has LIFT times that of a node on the bodies' diagonal, which keeps them where they are.
 */
 #include "geometry/geometry.h"
 #include "point/material.h"
@@ -70,7 +71,7 @@ static PetscReal Lift(const MpmContacts *contacts, const MpmSum *sum)
   return LIFT * modulus * PetscPowRealInt(contacts->cell, sum->space->dim - 2);
 }
 
-/* Does this rank own the bodies' nodes? */
+/* True where this rank owns the bodies' nodes. */
 static PetscBool Owns(const MpmSpace *space)
 {
   return (PetscBool)(space->extra.begin < space->owned);
@@ -202,7 +203,8 @@ static void OwnBlock(const MpmContacts *contacts, const MpmSum *sum, const MpmRi
   for (PetscInt a = 0; a < 3; a++) block[1][a][a] += lift;
 }
 
-/* The tangent of a patch's own nodes and its body's, element[i][a][c][j] of 3 components each; the body's are the last two. */
+/* Tangent of a patch's own nodes and its body's, element[i][a][c][j] of 3 components each; the body's are the last
+   two. */
 static void Element(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, PetscInt n,
                     MpmRigidWork *work, PetscReal element[])
 {
@@ -238,7 +240,7 @@ static void Element(const MpmContacts *contacts, const MpmPatch *patch, const Mp
 /* The tangents of patches, one after the other, with the nodes that they are of. */
 typedef struct {
   MpmRigidWork work;
-  PetscReal   *element, *block; /* the same with the components of the nodes' blocks */
+  PetscReal   *element, *block; /* with the components of the nodes' blocks */
   PetscInt    *nodes, count;
 } Elements;
 
@@ -289,7 +291,7 @@ static PetscReal ElementAt(const Elements *of, PetscInt i, PetscInt a, PetscInt 
   return of->element[((i * 3 + a) * 3 + c) * of->count + j];
 }
 
-/* What the bodies have without contacts. */
+/* Tangent of the bodies without contacts. */
 static PetscErrorCode OwnTangent(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
                                  MpmPattern *pattern)
 {

@@ -1,7 +1,7 @@
 #pragma once
 /*
-  Boundaries whose place is solved for together with the grid: what adds to the residual (rigid_body.c), and where they settle before
-  Newton starts (rigid_settle.c).
+  Boundaries whose place is solved for together with the grid: their terms in the residual (rigid_body.c), and their
+  settling before Newton's method starts (rigid_settle.c).
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -11,8 +11,8 @@
 /* Takes over the places of the bodies, which are the state's; borrowed. */
 PetscErrorCode MpmRigidCreate(MpmContacts *contacts, MpmPlacement *placements);
 /*
-  Where bodies stand as a step to `time` begins; before its contacts are looked for. dt: its length, where inertia counts in it,
-  otherwise 0; gravity in m/s2.
+  Places of the bodies as a step to `time` begins; before the search for contacts. dt: its length, where inertia counts
+  in it, otherwise 0; gravity in m/s2.
 */
 void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const PetscReal gravity[]);
 /* Initial placements, by boundary. */
@@ -23,7 +23,8 @@ void      MpmRigidLend(const void *ctx, PetscReal mass[], PetscReal velocity[], 
 void      MpmRigidTake(void *ctx, const PetscReal velocity[], const PetscReal acceleration[]);
 PetscReal MpmRigidKinetic(const void *ctx);
 
-/* Room for one patch of a free body: its facets' displacements along the axes, what the law says, and the mean's derivatives. */
+/* Room for one patch of a free body: its facets' displacements along the axes, the law's answer, and the mean's
+   derivatives. */
 typedef struct {
   MpmPatchWork   law;
   MpmPatchAnswer answer;
@@ -40,31 +41,31 @@ void MpmRigidFacet(const MpmContacts *contacts, const MpmPatch *patch, PetscInt 
 /* left and right of the mean; n: nodes of the patch's box, or 0: those of the body alone. */
 void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, PetscInt n,
                   MpmRigidWork *work);
-/* For the report of a step: a patch at the local unknowns u, a facet's force and arm along the axes, a slip likewise. */
+/* For the report of a step: a patch at the local unknowns u, a facet's force and arm along the axes, and a slip. */
 void MpmRigidEvaluate(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                       MpmPatchWork *work, MpmPatchAnswer *answer);
 void MpmRigidForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmSum *sum,
                    const PetscReal u[], PetscReal force[], PetscReal arm[]);
 void MpmRigidSlip(const MpmRigidBody *body, PetscInt block, const PetscReal u[], PetscReal slip[]);
 /*
-  Brings bodies that nothing holds to where they come to rest on the material as it is, and puts that into their guess;
-  contacts are those about the guess so far. `moved`: they have to be looked for again.
+  Brings unsupported bodies to their place of rest on the present material, as the start of Newton's method; contacts
+  are those about the start so far. `moved`: contacts have to be searched again.
 */
 PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmGrid *grid, PetscBool *moved);
 /* A body that is adrift: motion in place of rest (a term's `refuses`). */
 PetscErrorCode MpmRigidRefuses(const void *ctx, MpmOutcome *outcome);
 /*
-  The same for bodies far from balance at the local unknowns u, the material staying as it is there; in the owned x their
-  unknowns are changed. With `follows` they go a part of a cell at most from `last`, the owned unknowns before. Collective.
+  MpmRigidSettle() for bodies far from balance at the local unknowns u, on the material there; changes their unknowns in
+  the owned x. With `follows` they go a fraction of a cell at most from `last`, the owned unknowns before. Collective.
 */
 PetscErrorCode MpmRigidRelax(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool follows,
                              const PetscScalar last[], PetscScalar x[]);
 /* A free body that contact lets go on in one component of its motion (a term's `unheld`). Collective. */
 PetscErrorCode MpmRigidUnheld(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmOutcome *outcome);
-/* Has a body left the place about which its contacts were looked for? */
+/* True where a body has left the place about which its contacts were searched. */
 PetscBool MpmRigidStray(const void *ctx, const MpmSum *sum, const PetscReal u[]);
 /*
-  Of a free body: its reference point, m, and its rotation vector (2D: z), degrees, besides what is prescribed; returns how
-  many numbers that are.
+  Of a free body: its reference point, m, and its rotation vector (2D: z), degrees, besides the prescribed ones; returns
+  the number of values.
 */
 PetscInt MpmRigidReport(const MpmContacts *contacts, PetscInt b, PetscReal values[]);

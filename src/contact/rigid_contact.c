@@ -1,25 +1,26 @@
 /*
   Contact of the material with rigid surfaces that do not follow the grid, by a penalty on patches (contact_patches.c).
 
-  With d_q the distance of facet q from the surface at the step's end, less the distance at which it touches, s_q its slip
-  along the surface since it touched, and A_q its area, a patch of area A = sum A_q has
+  With d_q the distance of facet q from the surface at the step's end, less the distance at which it touches, s_q its
+  slip along the surface since it touched, and A_q its area, a patch of area A = sum A_q has
 
     g = sum_q A_q d_q / A ,   s = sum_q A_q s_q / A ,   pressure p = -k g ,   traction t = k' s ,   k = penalty E/h
 
-  and acts where g <= 0 (unilateral), or at the facets that touched at the start (bilateral; or pieces of the surface, surface_shares.c,
-  for which g is what it was at the end of the last step, plus the change of d). Coulomb friction bounds the
-  traction: where |k' s| > L = mu max(p, 0) + adhesion, t = L s/|s|, and the slip that is kept becomes t/k'. So a patch that sticks
-  gives by t/k', which is all the regularisation there is; k' = k where nothing may slide and on round bodies, and k/10
-  elsewhere. L is no more than what the material itself bears in shear where its law says that no pressure changes it (undrained clay), with `stick` as well: the material would slide on itself right beside the
-  surface, in a layer that no cell can resolve, and a pipe would carry half a cell of clay along. Facet q gets the force -A_q (k g n_q + P_q t), P_q = I - n n^T at
-  the step's start; the reaction is the sum of these forces.
+  and acts where g <= 0 (unilateral), or at the facets that touched at the start (bilateral). For pieces of the surface,
+  surface_shares.c, g is that at the end of the last step, plus the change of d. Coulomb friction bounds the traction:
+  where |k' s| > L = mu max(p, 0) + adhesion, t = L s/|s|, and the kept slip becomes t/k'. A sticking patch thus has the
+  elastic slip t/k', the only regularisation; k' = k where nothing may slide and on round bodies, and k/10 elsewhere. L
+  is no more than the material's own shear strength where its law has one that no pressure changes (undrained clay),
+  with `stick` as well. The material would otherwise slide on itself right beside the surface, in a layer that no cell
+  can resolve, and a pipe would carry half a cell of clay along. Facet q gets the force -A_q (k g n_q + P_q t), P_q = I
+  - n n^T at the step's start; the reaction is the sum of these forces.
 
   Without slip the force has the potential A (k/2) (g^2 + s^2), and the tangent is symmetric:
 
     A (k B_g B_g^T + B_s^T dt/ds B_s + B_s^T dt/dg B_g^T) + sum_q A_q k g w_q w_q^T grad n_q
 
-  with B_g = dg/du, B_s = ds/du. A pressure p makes a depth of p h/(penalty E), while forces balance as well as Newton's method has
-  converged. All forms of the Jacobian take the derivative from here.
+  with B_g = dg/du, B_s = ds/du. A pressure p makes a depth of p h/(penalty E), while forces balance as well as Newton's
+  method has converged. All forms of the Jacobian take the derivative from here.
 */
 #include "grid/grid.h"
 #include "particles/particles.h"
@@ -34,7 +35,8 @@
 
 /* ---- sums ---- */
 
-/* The forces of this rank's facets: at boundaries whose motion is prescribed into the residual or, without one, the squares of all. */
+/* Adds the forces of this rank's facets: at boundaries with prescribed motion into the residual or, without one, the
+   squares of all. */
 static PetscErrorCode AddForces(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
                                 PetscReal residual[], PetscReal *squares)
 {
@@ -184,7 +186,8 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* B_g[i][c] and B_s[e][i][c] of a patch, e the direction of slip; each of n dim numbers. `own`: by this rank's facets only. */
+/* B_g[i][c] and B_s[e][i][c] of a patch, e the direction of slip; each of n dim numbers. `own`: by this rank's facets
+   only. */
 static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const MpmPatchWork *work,
                         PetscBool own, PetscReal gap[], PetscReal slip[])
 {
@@ -210,7 +213,7 @@ static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, cons
   }
 }
 
-/* What the tangent of a patch consists of: sum_m left_m right_m^T, of vectors with n dim numbers, and facets' curvature. */
+/* Tangent of a patch: sum_m left_m right_m^T, of vectors with n dim numbers, and facets' curvature. */
 typedef struct {
   PetscReal *left, *right;
 } Factors;
@@ -370,7 +373,8 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is a patch's depth to be taken away? Not where a facet by itself looks past the boundary: no pressure can by an area as small as its own. */
+/* True where a patch's depth is corrected: not for a single facet nearly perpendicular to the boundary, whose area is
+   too small. */
 static PetscBool IsCorrected(const MpmContacts *contacts, const MpmPatch *patch)
 {
   const MpmFacet *facet = &contacts->facet[patch->begin];
@@ -378,7 +382,7 @@ static PetscBool IsCorrected(const MpmContacts *contacts, const MpmPatch *patch)
   return (PetscBool)(contacts->boundaries[patch->boundary].augmented && !(facet->single && facet->askew));
 }
 
-/* What a patch says of the converged step; adds to its boundary's reaction, moment and depth. */
+/* Adds a patch of the converged step to its boundary's reaction, moment and depth. */
 static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                         MpmPatchWork *work, MpmPatchAnswer *answer)
 {
@@ -590,7 +594,7 @@ static PetscBool Holds(const void *ctx)
   return ((const MpmContacts *)ctx)->newton.holds;
 }
 
-/* That of the firmest boundary. */
+/* Stiffness of the stiffest boundary. */
 static PetscReal Firmness(const void *ctx)
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;

@@ -1,5 +1,5 @@
 /*
-  Where a free body comes to rest on the material as it is.
+  Place of rest of a free body on the present material.
 
   Newton's method on all unknowns needs contacts to start from: a body in the air, or one that leans on a single corner,
   has no stiffness against its load. With the material at rest the body alone has six unknowns at most, and its
@@ -8,8 +8,9 @@
     s = -sum_k v_k (v_k . g)/(|lambda_k| + mu) ,
 
   g being its residual, lambda_k and v_k the eigenvalues and vectors of its derivative, and mu the least number >= 0 for
-  which s is not longer than a trusted length, a part of a cell at most. A step ends where the work done along it is
-  least. A place for Newton to start from is all that comes of it; a body that is in contact and hardly moved by its first step is left to Newton as it is.
+  which s is not longer than a trusted length, a fraction of a cell at most. A step ends where the work done along it is
+  least. The result is only a start for Newton's method; a body in contact that its first step hardly moves stays as it
+  is.
 */
 #include "base/outcome.h"
 #include "grid/grid.h"
@@ -54,7 +55,7 @@ static void ListComponents(const MpmRigidBody *body, PetscInt spins, Balance *ba
     if (free[k / 3] >> k % 3 & 1) balance->component[balance->n++] = k;
 }
 
-/* What the contacts of this rank do: sums, of MOST numbers g and MOST x MOST of H. */
+/* Sums over the contacts of this rank, of MOST numbers g and MOST x MOST of H. */
 static PetscErrorCode SumPatches(const MpmContacts *contacts, PetscInt b, const MpmRigidIncrement *q,
                                  const Balance *balance, PetscReal sums[])
 {
@@ -196,8 +197,8 @@ static PetscReal Slope(const Balance *balance, const PetscReal s[])
 }
 
 /*
-  Goes along s, or less far where the work done would rise again: its slope is bracketed and halved until it is FLAT times
-  what it was. Leaves the balance at the place found; `part` is how much of s that is.
+  Goes along s, or less far where the work done would rise again: its slope is bracketed and halved until it is FLAT
+  times the initial one. Leaves the balance at the place found; `part` is the fraction of s.
 */
 static PetscErrorCode Search(const MpmContacts *contacts, PetscInt b, Balance *balance, const PetscReal s[],
                              PetscReal values[], PetscReal *part)
@@ -222,8 +223,8 @@ static PetscErrorCode Search(const MpmContacts *contacts, PetscInt b, Balance *b
 }
 
 /*
-  Brings one body to rest from `values`. `moved`: it has left the place about which its contacts were looked for, and stops
-  there. It stays where its first step is shorter than `negligible` cells.
+  Brings one body to rest from `values`. `moved`: it has left the place about which its contacts were searched, and
+  stops there. The body stays where its first step is shorter than `negligible` cells.
 */
 static PetscErrorCode Rest(const MpmContacts *contacts, PetscInt b, Balance *balance, PetscReal negligible,
                            PetscReal values[], PetscBool *moved)
@@ -248,8 +249,8 @@ static PetscErrorCode Rest(const MpmContacts *contacts, PetscInt b, Balance *bal
 }
 
 /*
-  A body that turns on and on: where it slides on the little that it touches of a material at rest, it may be held all the same when it has sunk
-  in. It settles without these rotations, from the start.
+  True for a body that turns on and on. Where it slides on small contacts with a material at rest, it may find support
+  when it has sunk in. Such a body settles without these rotations, from the start.
 */
 static PetscBool Spins(MpmRigidBody *body)
 {
@@ -323,7 +324,7 @@ PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmGrid *grid, PetscB
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a body's unknowns are, on all ranks. */
+/* Reads a body's unknowns, on all ranks. */
 static void Take(const MpmRigidBody *body, PetscInt block, const PetscReal u[], PetscReal values[])
 {
   for (PetscInt k = 0; k < MOST; k++) values[k] = 0.;
@@ -331,7 +332,7 @@ static void Take(const MpmRigidBody *body, PetscInt block, const PetscReal u[], 
   for (PetscInt a = 0; a < (body->dim == 2 ? 1 : 3); a++) values[3 + a] = u[(body->node + 1) * block + a];
 }
 
-/* What pushes a body, as a force. */
+/* Load of a body, as a force. */
 static PetscReal Push(const MpmRigidBody *body)
 {
   return PetscMax(Norm(3, body->load), Norm(3, body->moment) / body->freedom->size);

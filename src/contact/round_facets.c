@@ -1,25 +1,28 @@
 /*
   Facets of round bodies at rigid surfaces: discs, spheres, cylinders.
 
-  The surface of such a body's region cuts its lattice of points into steps, on which it would roll. The true surface is known, and
-  the material carries it along: a place of a face, y0 at the start, belongs to the place z0 of the surface along the surface's normal N there;
-  now
+  The surface of such a body's region cuts its lattice of points into steps, on which it would roll. The true surface is
+  known, and the material carries it along: a place of a face, y0 at the start, belongs to the place z0 of the surface
+  along the surface's normal N there; now
 
     z = x + F (z0 - x0) ,   n = F^-T N/|F^-T N| ,   dA = a . n ,
 
-  x the point, a the area that the face has there. The sum of dA over the steps is the area of the surface. Each face has
-  SITES such places on each axis, where a boundary is near, each a facet and a patch by itself: where a round surface
-  meets another one, only little of a cell's touches, and its mean distance there would go up and down as the body rolls over the cells.
+  x the point, a the area that the face has there. The sum of dA over the steps is the area of the surface. Each face
+  has SITES such places on each axis, where a boundary is near, each a facet and a patch by itself: where a round
+  surface meets another one, only little of a cell's touches, and its mean distance there would go up and down as the
+  body rolls over the cells.
 
-  The pressure of what rolls goes on over the material by R dW a step, dW the angle by which it turns. In a step that balances forces at a part
-  theta of it, as the generalised-alpha method does, a body would be pushed at places that are (1 - theta) R dW ahead. So what turning
-  alone adds to a facet's distance between then and the step's end, with the spin W of the step's start,
+  The pressure of a rolling contact moves over the material by R dW a step, dW the angle of rotation. In a step that
+  balances forces at a fraction theta of it, as the generalised-alpha method does, a body would be pushed at places that
+  are (1 - theta) R dW ahead. The contribution of rotation alone to a facet's distance between then and the step's end,
+  with the spin W of the step's start,
 
     dg = (1 - theta) dt n . W (r + (1 + theta)/2 dt W r) ,   r = R N ,
 
-  does not count. The rest of its way does, so that what stops the body is as stiff at the step's end as it is elsewhere.
+  does therefore not count. All other motion does, so that the contact is as stiff at the step's end as it is elsewhere.
 
-  A face belongs to the surface where that took the next point of the lattice; what parted later is as it was cut.
+  A face belongs to the surface where that took the next point of the lattice; faces that opened later are as they were
+  cut.
 */
 #include "geometry/geometry.h"
 #include "particles/body.h"

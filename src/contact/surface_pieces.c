@@ -1,14 +1,16 @@
 /*
   Pieces of a boundary's surface (surface_shares.c) along which material slides, spread over the nodes of the grid.
 
-  A patch is one node I here: of a piece of area A_q at y_q it has A_q N_I(y_q), N_I the linear functions on the grid. Gaps, slips and
-  tractions are continuous along the surface then, and stay so as pieces move from cell to cell: a sliver that is alone in its
-  cell would have a pressure of its own, five times its neighbours', and give it up when it leaves.
+  A patch is one node I here: of a piece of area A_q at y_q it has A_q N_I(y_q), N_I the linear functions on the grid.
+  Gaps, slips and tractions are continuous along the surface then, and stay so as pieces move from cell to cell. A
+  sliver that is alone in its cell would otherwise have a pressure of its own, five times its neighbours', and lose it
+  when it leaves.
 
-  Where a cell has three points an axis or more, what touches is the surface, not the point's domain: its displacement is the grid's at
-  y_q, no further out than the nodes that the point touches. With fewer points these nodes have too little material to hold it:
-  a smooth pipe lost 14 % of its resistance. Points that lie away from it or behind it come back by a part of that way in each step, as the surface moves:
-  without that, those before a body keep their first distance, and the body seems larger than it is.
+  Where a cell has three points an axis or more, the surface touches, not the point's domain: its displacement is the
+  grid's at y_q, no further out than the nodes that the point touches. With fewer points these nodes have too little
+  material: a smooth pipe lost 14 % of its resistance. Points away from it or behind it return by a fraction of that
+  distance in each step, as the surface moves. Without that, those before a body keep their first distance, and the body
+  seems larger than it is.
 
   Pieces of neighbouring ranks take part in the means of a node, and only their own ranks add their forces.
 */
@@ -190,7 +192,8 @@ static PetscReal Corner(const MpmGrid *grid, const MpmPiece *piece, PetscInt k, 
   return value;
 }
 
-/* Facets of a piece: one for each node, with its portion of the area. Neighbours' pieces only at nodes that own ones have. */
+/* Facets of a piece: one for each node, with its portion of the area. Neighbours' pieces only at nodes that own ones
+   have. */
 static PetscErrorCode SpreadPiece(MpmContacts *contacts, const MpmGrid *grid, PetscInt k, PetscInt count, Place own[])
 {
   const MpmPiece *piece = &contacts->piece[k];

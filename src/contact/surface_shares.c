@@ -1,12 +1,14 @@
 /*
   The surface of a boundary, divided among the points beside it.
 
-  What a bilateral boundary holds may flow along it as far as it likes: the faces that bounded the material at the start are drawn out
-  before a pipe that is pulled through clay, and crowd behind it, until others lie at the surface. So where the surface cut the lattice
-  of points, whose faces do not follow it anyway, the facets are pieces of the surface itself. A piece is what lies nearest to
-  a point: its area A, its middle y, and the normal there.
+  Material in contact with a bilateral boundary may flow along it without bound. The faces that bounded the material at
+  the start are drawn out before a pipe that is pulled through clay, and crowd behind it, until others lie at the
+  surface. Where the surface cut the lattice of points, whose faces do not follow it anyway, the facets are therefore
+  pieces of the surface itself. A piece is the portion nearest to a point: its area A, its middle y, and the normal
+  there.
 
-  The surface is sampled on a lattice with DIVISIONS a cell: a place x at the distance d, on either side, stands for the area
+  The surface is sampled on a lattice with DIVISIONS a cell: a place x at the distance d, on either side, represents the
+  area
 
     dA = delta(d) det(I - d grad n) dV   at   x - d n ,   delta(d) = (1 + cos(pi d/eps))/(2 eps) ,  |d| < eps
 
@@ -36,7 +38,7 @@ typedef struct {
   PetscInt   id, point; /* point: -1 on another rank */
 } Candidate;
 
-/* What belongs to a point: area, and area times place. */
+/* Values of a point: area, and area times place. */
 typedef struct {
   PetscReal area, moment[MPM_MAX_DIM];
 } Share;

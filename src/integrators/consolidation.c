@@ -1,21 +1,22 @@
 /*
   Stages beside the time of consolidation: their length, and their end at a degree.
 
-  The time factor of a material is T = t c_v/h^2, with the stage's length t, c_v = m M by the mobility m and the constrained modulus M
-  at rest, and h the height of the material up gravity's axis. One-dimensional consolidation of a layer that drains at its top
-  has come to 11 % at T = 0.01 and to 93 % at T = 1. Source: Terzaghi (1943), doi:10.1002/9780470172766.
+  The time factor of a material is T = t c_v/h^2, with the stage's length t, c_v = m M by the mobility m and the
+  constrained modulus M at rest, and h the height of the material up gravity's axis. One-dimensional consolidation of a
+  layer that drains at its top has come to 11 % at T = 0.01 and to 93 % at T = 1. Source: Terzaghi (1943),
+  doi:10.1002/9780470172766.
 
     stage_wait: {time: {end: 1e9, step: 1e4}, until: {consolidation: 0.95}}
 
-  The excess pressure is that over the pressure of the steady flow, which a step from the stage's start to its end finds with
-  drained ground, under the loads and conditions of the end; the points go back. With |e| the mean size of the excess over the
-  material, the degree of consolidation is
+  The excess pressure is that over the pressure of the steady flow, which a step from the stage's start to its end finds
+  with drained ground, under the loads and conditions of the end; the points go back. With |e| the mean size of the
+  excess over the material, the degree of consolidation is
 
     U = 1 - |e|/max |e| .
 
-  max |e| is the largest from the stage's start on, or that of an undrained step to the loads of the end, if that is more. For a layer
-  under a sudden load U is Terzaghi's average degree, whatever the first step. A stage does not end before its loads and conditions have the
-  values of its end.
+  max |e| is the largest from the stage's start on, or that of an undrained step to the loads of the end, if that is
+  more. For a layer under a sudden load U is Terzaghi's average degree, whatever the first step. A stage does not end
+  before its loads and conditions have the values of its end.
 */
 #include "geometry/geometry.h"
 #include "point/layout.h"
@@ -161,7 +162,7 @@ static PetscErrorCode MeanExcess(MpmModel model, const PetscReal pressure[], Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* That of the points as they are. */
+/* Excess of the present points. */
 static PetscErrorCode FindExcess(MpmModel model, PetscReal *excess)
 {
   PetscReal *pressure;
@@ -173,7 +174,8 @@ static PetscErrorCode FindExcess(MpmModel model, PetscReal *excess)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Pressures at the points after a step from here to loads and conditions of the stage's end, drained or so short that nothing flows. */
+/* Pressures at the points after a step from here to loads and conditions of the stage's end, drained or too short for
+   flow. */
 static PetscErrorCode TryStep(MpmModel model, PetscBool drained, PetscReal pressure[], MpmOutcome *outcome)
 {
   const MpmIntegrator *integrator = &MpmIntegratorQuasistatic;

@@ -9,23 +9,23 @@
 
     M ((1 - alpha_m) a_new + alpha_m a) + (1 - alpha_f) f(u) + alpha_f f(0) = (1 - alpha_f) f_ext + alpha_f f_ext,n
 
-  where f(0) are the points' forces in the stress of the step's start. Newmark has alpha_m = alpha_f = 0, or 1 - gamma once contact
-  has been near in a stage, see below; generalised alpha
+  where f(0) are the points' forces in the stress of the step's start. Newmark's method has alpha_m = alpha_f = 0, or 1
+  - gamma once contact has been near in a stage, see below; generalised alpha
 
     alpha_m = (2 rho - 1)/(rho + 1) ,   alpha_f = rho/(rho + 1) ,   gamma = 1/2 - alpha_m + alpha_f ,
     beta = (1 - alpha_m + alpha_f)^2/4 ;
 
-  backward Euler v_new = u/dt, a_new = (v_new - v)/dt. Boundaries and bodies in contact, whose forces a step begins anew, take part
-  as they are at its end; surfaces of bodies, too, by the mean of the load's factors.
+  backward Euler v_new = u/dt, a_new = (v_new - v)/dt. Boundaries and bodies in contact, whose forces a step begins
+  anew, take part as they are at its end; surfaces of bodies, too, by the mean of the load's factors.
 
-  Newmark's balance with alpha_m = alpha_f = 1 - gamma is that of two times, weighted as accelerations are for the velocity: where
-  nothing touches and the first acceleration is in balance steps are the same. With contact as at the end the change of momentum is
-  dt times the contact's force there, the work of a step that of a force which the penalty has reached, never less than what the
-  penalty then stores: no energy comes from contact. In the balance at the end half the force of a contact that has opened would
-  still push in the step after.
+  Newmark's balance with alpha_m = alpha_f = 1 - gamma is that of two times, weighted as accelerations are for the
+  velocity: where nothing touches and the first acceleration is in balance steps are the same. With contact as at the
+  end the change of momentum is dt times the contact's force there, the work of a step that of a force which the penalty
+  has reached, never less than what the penalty then stores: no energy comes from contact. In the balance at the end
+  half the force of a contact that has opened would still push in the step after.
 
-  Velocities and accelerations at the step's start are the points', weighted by mass. At the end the points take them by the
-  weights of the step's start, and then move with u.
+  Velocities and accelerations at the step's start are the points', weighted by mass. At the end the points take them by
+  the weights of the step's start, and then move with u.
 
   Sources: Newmark (1959), J. Eng. Mech. Div. ASCE 85, 67-94; Chung, Hulbert (1993), J. Appl. Mech. 60, 371-375,
   doi:10.1115/1.2900803; Kane, Repetto, Ortiz, Marsden (1999), Comput. Meth. Appl. Mech. Eng. 180, 1-26,
@@ -129,7 +129,7 @@ PetscErrorCode MpmDynamicsResize(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the nodes are at the step's start. */
+/* Nodal values at the step's start. */
 static PetscErrorCode Project(MpmModel model)
 {
   MpmDynamics *dynamics;
@@ -190,8 +190,8 @@ static PetscErrorCode EndConstrained(MpmModel model, PetscReal time)
 }
 
 /*
-  The step's mass. Where points get changes alone what they do not get must not be lost either: the nodes' velocities, which are means
-  of theirs, would be smoothed in each step anew, and be a part of dt (w h)^2 behind.
+  The step's mass. Where points get changes alone, all changes must reach them: otherwise the nodes' velocities, which
+  are means of theirs, would be smoothed in each step anew, and lag by a fraction dt (w h)^2.
 */
 static PetscErrorCode SetMass(MpmModel model)
 {
@@ -231,7 +231,7 @@ static Method MethodOf(const MpmModel model)
   return method;
 }
 
-/* What velocity and acceleration are by the displacement. */
+/* Velocity and acceleration from the displacement. */
 static void SetRates(MpmModel model, const Method *method, PetscReal dt)
 {
   MpmDynamics    *dynamics = model->state.scheme.dynamics;
@@ -321,8 +321,8 @@ static PetscErrorCode GatherMass(MpmModel model, PetscReal mass[])
 }
 
 /*
-  A stage's first acceleration is that of the forces as they are when it begins; it goes to the nodes by way of the points, for
-  those that have hardly any mass.
+  A stage's first acceleration is that of the forces at its beginning; it goes to the nodes by way of the points, for
+  nearly massless nodes.
 */
 static PetscErrorCode FindAcceleration(MpmModel model)
 {
@@ -446,9 +446,9 @@ static PetscErrorCode Solve(MpmModel model, MpmOutcome *outcome)
 }
 
 /*
-  What the points' accelerations change by in the step, at the owned nodes, as these see it: M^-1 M_c a_new less the points', weighted by
-  mass. What nodes have on the scale of cells, which points hardly feel and do not carry on to the next step, does not count: it is no
-  smaller in shorter steps. Bodies have no points: there it is a_new - a.
+  Change of the points' accelerations in the step, at the owned nodes, as resolved by the points: M^-1 M_c a_new less
+  the points', weighted by mass. Motion of nodes on the scale of cells, which points hardly resolve and do not carry on
+  to the next step, does not count: shorter steps do not reduce it. Bodies have no points: there it is a_new - a.
 */
 static PetscErrorCode FindChange(MpmModel model, PetscReal change[])
 {
@@ -474,9 +474,9 @@ static PetscErrorCode FindChange(MpmModel model, PetscReal change[])
 }
 
 /*
-  What the step's displacement is off by where the acceleration goes on as it has changed, per length of the step, over the
-  largest velocity of the stage; norms are weighted by mass. Source: Zienkiewicz, Xie (1991), Earthq. Eng. Struct. Dyn. 20,
-  871-887, doi:10.1002/eqe.4290200907.
+  Error of the step's displacement if the acceleration goes on changing as it has, per length of the step, over the
+  largest velocity of the stage; norms are weighted by mass. Source: Zienkiewicz, Xie (1991), Earthq. Eng. Struct. Dyn.
+  20, 871-887, doi:10.1002/eqe.4290200907.
 */
 static PetscErrorCode Error(MpmModel model, PetscReal *estimate)
 {

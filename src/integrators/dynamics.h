@@ -18,14 +18,14 @@
 struct MpmDynamics {
   PetscInt   local, capacity;
   PetscReal  a_factor, v_factor;
-  PetscReal  alpha_f; /* what of the points' forces and the loads is the step's start's */
+  PetscReal  alpha_f; /* fraction of the points' forces and the loads that is the step's start's */
   PetscReal *v_old, *v_start, *a_start, *a_rest, *v_rest, *v_new, *a_new;
   PetscReal *loads; /* the mean of the loads over the step, N */
   PetscInt   moves_room;
   PetscReal *moves; /* of explicit steps: the points' velocities, m/s */
 };
 
-/* What the stage under way takes from motion; SetTime() of a stage calls it. */
+/* Damping of the stage under way; SetTime() of a stage calls it. */
 void MpmDynamicsSetStage(MpmModel model);
 /* As a stage begins: points that come to it from one without inertia are at rest. */
 PetscErrorCode MpmDynamicsBegin(MpmModel model);

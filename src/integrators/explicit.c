@@ -5,18 +5,18 @@
     f_i = f_ext,i - sum_p V_p sigma_p grad w_ip + contact
     v*_i = v_i + k f_i/m_i ,   x_p += dt sum_i w_ip v*_i ,   v_p by FLIP or APIC
 
-  The velocities of a step are those of its middle: a kick k lasts from the middle of the last step to that of this one. Where a stage
-  begins they are those of that time, and the first kick is dt/2; where it ends another half catches them up. A relaxation
-  has k = dt throughout, as it was published.
+  The velocities of a step are those of its middle: a velocity increment spans the time k from the middle of the last
+  step to that of this one. At a stage's start velocities are those of that time, and the first k is dt/2; at its end
+  another half brings them up to time. A relaxation has k = dt throughout, as it was published.
 
-  The stress is that of the velocities v**, gradient by gradient, through the same kernel of the physics as implicit steps: with
-  the displacement dt v** of the nodes. musl: v** are the points' new velocities, mapped once more; usl: v*; usf: v** = v_i of the last
-  step's middle, for as long as that was, and the stress that follows makes f_i.
+  The stress is that of the velocities v**, gradient by gradient, through the same kernel of the physics as implicit
+  steps: with the displacement dt v** of the nodes. musl: v** are the points' new velocities, mapped once more; usl: v*;
+  usf: v** = v_i of the last step's middle, for as long as that was, and the stress that follows makes f_i.
 
-  What pushes on a node without mass finds nothing to move. Prescribed unknowns move as they are told to.
+  A force on a node without mass moves nothing. Prescribed unknowns follow their conditions.
 
-  Sources: Sulsky, Zhou, Schreyer (1995), Comput. Phys. Commun. 87, 236-252, doi:10.1016/0010-4655(94)00170-7 (musl); Bardenhagen
-  (2002), J. Comput. Phys. 180, 383-403, doi:10.1006/jcph.2002.7103 (usf, usl).
+  Sources: Sulsky, Zhou, Schreyer (1995), Comput. Phys. Commun. 87, 236-252, doi:10.1016/0010-4655(94)00170-7 (musl);
+  Bardenhagen (2002), J. Comput. Phys. 180, 383-403, doi:10.1006/jcph.2002.7103 (usf, usl).
 */
 #include "point/layout.h"
 #include "point/material.h"
@@ -75,7 +75,8 @@ static PetscErrorCode Resize(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Do other terms than the points' have forces in this step: contact that is near, pressures on surfaces, damping? */
+/* True where other terms than the points' have forces in this step: contact that is near, pressures on surfaces,
+   damping. */
 static PetscBool HasOthers(const MpmModel model)
 {
   return (PetscBool)(MpmTermsNear(model->disc.terms, MPM_TERM_CONTACT) || model->scene.surfaces->count ||
@@ -88,7 +89,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   model->disc.inertia->active       = PETSC_FALSE;
   model->disc.damping->active       = PETSC_FALSE;
   model->disc.sum->part             = 1.;
-  model->state.scheme.load_at_start = 1.; /* a kick's middle is the step's start */
+  model->state.scheme.load_at_start = 1.; /* an increment's middle is the step's start */
   PetscCall(MpmStepBegin(model, time, dt, again, outcome));
   if (!outcome->code) PetscCall(Resize(model));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -116,7 +117,7 @@ static void Prescribe(const MpmModel model, PetscReal velocity[])
   MpmFramesToAxes(constraints, dim, local, velocity);
 }
 
-/* They move as they are told to at a time. */
+/* Prescribed velocities at a time. */
 static PetscErrorCode PrescribeAt(MpmModel model, PetscReal time, PetscReal velocity[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
@@ -137,7 +138,7 @@ static PetscErrorCode PrescribeAt(MpmModel model, PetscReal time, PetscReal velo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Before the step they moved as they were told to where velocities stand: what carries them from there is their reaction. */
+/* Prescribed velocities before the step; the change from there is the reaction. */
 static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
 {
   const PetscReal behind = MpmModelRelaxes(model) ? 0.5 * model->disc.sum->span : model->state.scheme.behind;
@@ -147,15 +148,15 @@ static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does the physics take the points one by one, with the forces of their stress alone? */
+/* True where the physics takes the points one by one, with the forces of their stress alone. */
 static PetscBool IsPlain(const MpmModel model)
 {
   return (PetscBool)(!model->disc.layout->means && (model->scene.physics.traits & MPM_PHYSICS_STRESS));
 }
 
 /*
-  What the points would be at displacements u of the nodes, into the trial; `force`: NULL, or their forces there. `still`: in the
-  stress of the step's start, and the trial stays as it is.
+  State of the points at displacements u of the nodes, into the trial; `force`: NULL, or their forces there. `still`: in
+  the stress of the step's start, and the trial stays as it is.
 */
 static PetscErrorCode EvaluatePoints(MpmModel model, const PetscReal u[], PetscBool still, PetscReal *force,
                                      MpmOutcome *outcome)
@@ -189,7 +190,7 @@ static void Displace(const MpmModel model, const PetscReal velocity[], PetscReal
   for (PetscInt k = 0; k < model->disc.space->local * model->disc.dim; k++) u[k] = model->disc.sum->dt * velocity[k];
 }
 
-/* The same of the last step, whose velocities they are; where a stage begins there is none. */
+/* Displacement of the last step, by its velocities; none where a stage begins. */
 static void DisplaceLast(const MpmModel model, const PetscReal velocity[], PetscReal u[])
 {
   const PetscReal dt = MpmModelRelaxes(model) ? model->disc.sum->dt : 2. * model->state.scheme.behind;
@@ -198,8 +199,8 @@ static void DisplaceLast(const MpmModel model, const PetscReal velocity[], Petsc
 }
 
 /*
-  Masses and velocities of the nodes at the step's start, and the forces of points and loads, into disc.residual: in one pass over the
-  points where their stress is known and the physics is a solid's.
+  Masses and velocities of the nodes at the step's start, and the forces of points and loads, into disc.residual: in one
+  pass over the points where their stress is known and the physics is a solid's.
 */
 static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
 {
@@ -222,7 +223,7 @@ static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
   } else {
     PetscCall(PetscArraycpy(force, model->disc.force, local * dim));
     PetscCall(MpmMotionToNodes(model->disc.sum, transfer, mass, dynamics->v_old, force));
-    PetscCall(PrescribeStart(model, dynamics->v_old)); /* what supports move at does not come from the points */
+    PetscCall(PrescribeStart(model, dynamics->v_old)); /* velocities of supports do not come from the points */
   }
   for (PetscInt i = 0; i < local; i++)
     for (PetscInt a = 0; a < dim; a++) force[i * dim + a] += mass[i] * model->disc.sum->gravity[a];
@@ -230,8 +231,8 @@ static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
 }
 
 /*
-  What a force has to move, kg: dashpots act with the mean of the velocities before and after, m (v_new - v_old) = k (f - c (v_old +
-  v_new)/2), k the kick, of which f - c v_old is the force.
+  Mass accelerated by a force, kg: dashpots act with the mean of the velocities before and after, m (v_new - v_old) = k
+  (f - c (v_old + v_new)/2), k the time of the increment, of which f - c v_old is the force.
 */
 static PetscReal MovedMass(const MpmModel model, PetscReal kick, PetscInt k)
 {
@@ -241,7 +242,7 @@ static PetscReal MovedMass(const MpmModel model, PetscReal kick, PetscInt k)
   return damping->active ? mass + 0.5 * kick * damping->dashpot[k] : mass;
 }
 
-/* v_new = v_old + kick f/m; where there is no mass nothing moves */
+/* v_new = v_old + k f/m; zero change without mass */
 static void Accelerate(MpmModel model, PetscReal kick, const PetscReal force[])
 {
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
@@ -257,11 +258,12 @@ static void Accelerate(MpmModel model, PetscReal kick, const PetscReal force[])
 }
 
 /*
-  Nodes with hardly any mass. A domain that reaches by a way d into a cell gives a node there a mass that goes with d^2 and forces that
-  go with d: its velocity has no bound as d goes to 0. The points take little of that, and the node's next velocity is theirs again; but a
-  face at the domain's end has a weight of d there, and would seem to slip, step by step, by what the stress in the domain and the friction on the
-  face differ. So other terms than the points' see a free node's change since the step's start as if its mass were at least this, kg. The
-  forces, and with them momentum, are what they are.
+  Nearly massless nodes. A domain that reaches by a distance d into a cell gives a node there a mass proportional to d^2
+  and forces proportional to d: its velocity has no bound as d goes to 0. The points take little of that, and the node's
+  next velocity is theirs again. A face at the domain's end, however, has a weight proportional to d there, and would
+  seem to slip, step by step, by the difference of the stress in the domain and the friction on the face. Other terms
+  than the points' therefore see a free node's change since the step's start with at least this mass, kg. The forces,
+  and with them momentum, are unchanged.
 */
 static PetscReal LeastMass(const MpmModel model, PetscReal part)
 {
@@ -279,9 +281,10 @@ static PetscBool IsLinear(const MpmModel model)
 }
 
 /*
-  Light nodes whose gradients do not fall with their mass: all of linear functions; of other shapes those of points on an edge of the grid.
-  Such a node, of mass m, that one point touches vibrates with (c/h) sqrt(rho h^dim/m), faster than steps may follow, where the point takes
-  its gradient as it is: in the affine velocity, and in the stress of usl. The point's momentum has what it was given.
+  Light nodes whose gradients do not fall with their mass: all of linear functions; of other shapes those of points on
+  an edge of the grid. Such a node, of mass m, that one point touches vibrates with (c/h) sqrt(rho h^dim/m), faster than
+  steps can follow, where the point takes its gradient unchanged: in the affine velocity, and in the stress of usl. The
+  point's momentum is kept.
 */
 static PetscBool HasLightNodes(const MpmModel model)
 {
@@ -293,7 +296,7 @@ static PetscBool HasLightNodes(const MpmModel model)
   return PETSC_FALSE;
 }
 
-/* What they see of a step's displacement, dt times the velocities, or with dt = 1 of these. */
+/* Displacement of a step with nodal mass bounded below, dt times the velocities, or with dt = 1 of these. */
 static void Quieten(const MpmModel model, PetscReal light, PetscReal dt, PetscReal u[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
@@ -308,7 +311,8 @@ static void Quieten(const MpmModel model, PetscReal light, PetscReal dt, PetscRe
   }
 }
 
-/* What gradients see of it: what a node gains or loses beside the fall of all, after a kick. */
+/* Displacement for gradients: the velocity change of light nodes beside the free fall of all is limited, after an
+   increment. */
 static void QuietenGradients(const MpmModel model, PetscReal kick, PetscReal dt, PetscReal u[])
 {
   const PetscInt dim = model->disc.dim, count = model->disc.space->local * dim;
@@ -334,15 +338,16 @@ static PetscErrorCode LimitContact(MpmModel model, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Their forces at the displacement that the step would have without them, which stays in a_start, are added to `force`. */
+/* Adds to `force` the other terms' forces at the displacement that the step would have without them, which stays in
+   a_start. */
 static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
 {
-  MpmDynamics    *dynamics = model->state.scheme.dynamics;
-  const PetscInt  count    = model->disc.space->local * model->disc.dim;
-  PetscReal      *other    = dynamics->a_rest;
-  const PetscReal dt       = /* one that is cut short, or after a longer one, kicks nobody */
-    PetscMax(PetscMax(model->disc.sum->dt, model->state.dt_wanted), WholeKick(model));
-  PetscInt failed = 0;
+  MpmDynamics   *dynamics = model->state.scheme.dynamics;
+  const PetscInt count    = model->disc.space->local * model->disc.dim;
+  PetscReal     *other    = dynamics->a_rest;
+  /* use the nominal step, so a shortened one does not stiffen contact */
+  const PetscReal dt     = PetscMax(PetscMax(model->disc.sum->dt, model->state.dt_wanted), WholeKick(model));
+  PetscInt        failed = 0;
 
   PetscFunctionBeginUser;
   PetscCall(LimitContact(model, dt));
@@ -360,7 +365,7 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What supports bear, into disc.residual, which holds the forces; 0 where nothing is prescribed. */
+/* Reactions of supports, into disc.residual, which has the forces; 0 where nothing is prescribed. */
 static void FindSupports(MpmModel model, PetscReal kick)
 {
   const MpmConstraints *constraints = model->disc.constraints;
@@ -422,7 +427,7 @@ static PetscErrorCode FindForces(MpmModel model, MpmOutcome *outcome)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points' velocities after a kick; `again` becomes those at the nodes that follow from them, or is NULL. */
+/* The points' velocities after an increment; `again` becomes those at the nodes that follow from them, or is NULL. */
 static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *again)
 {
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
@@ -506,8 +511,8 @@ static PetscErrorCode Solve(MpmModel model, MpmOutcome *outcome)
 }
 
 /*
-  What supports, contact and damping have done in a kick, by the mean of the velocities before and after it: with the kick times the force that is
-  just what the nodes' kinetic energy changes by. `work` has the step's parts, or none.
+  Work of supports, contact and damping in a velocity increment, by the mean of the velocities before and after it:
+  times the force that is exactly the change of the nodes' kinetic energy. `work` has the step's terms, or none.
 */
 static PetscErrorCode AddWork(MpmModel model, PetscReal kick, MpmStepWork *work)
 {
@@ -596,8 +601,8 @@ static PetscErrorCode RollBack(MpmModel model)
 }
 
 /*
-  The half kick at the end of a stage, by the forces with which another step would begin, as long as the last one. Where there is no such step
-  the velocities stay where they are.
+  The half increment at the end of a stage, by the forces with which another step would begin, as long as the last one.
+  Without such a step the velocities stay where they are.
 */
 static PetscErrorCode CatchUp(MpmModel model)
 {

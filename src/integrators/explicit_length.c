@@ -1,8 +1,8 @@
 /*
-  How long an explicit step may be.
+  Length of an explicit step.
 
-  A step may take the part `cfl` of the time in which a wave crosses a cell, the shortest h_a/(c + |v_a|) of all points and axes,
-  with c the speed of waves at the point's state and stress; the viscosity of a law shortens it.
+  A step may take the fraction `cfl` of the time in which a wave crosses a cell, the shortest h_a/(c + |v_a|) of all
+  points and axes, with c the speed of waves at the point's state and stress; the viscosity of a law shortens it.
 */
 #include "point/material.h"
 #include "point/wave_speed.h"
@@ -18,8 +18,8 @@
 #include "integrators/dynamics.h"
 
 /*
-  The time in which a wave crosses a cell, the shortest over all points, s; with a law's viscosity nu = eta J/rho_0, m2/s, what
-  is stable: h/(sqrt(c^2 + (nu/h)^2) + nu/h), h^2/(2 nu) where nothing but it acts.
+  The time in which a wave crosses a cell, the shortest over all points, s; with a law's viscosity nu = eta J/rho_0,
+  m2/s, the stable one: h/(sqrt(c^2 + (nu/h)^2) + nu/h), h^2/(2 nu) where viscosity acts alone.
 */
 MPM_INLINE PetscReal Crossing(const PetscInt dim, const MpmModel model, const MpmPoints *points)
 {
@@ -60,7 +60,8 @@ static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What damping leaves of a stable step: sqrt(1 + xi^2) - xi, xi the part of critical damping of the fastest oscillation, 2/crossing. */
+/* Reduction of a stable step by damping: sqrt(1 + xi^2) - xi, xi the fraction of critical damping of the fastest
+   oscillation, 2/crossing. */
 static PetscReal Shortened(const MpmDampingControl *damping, PetscReal crossing)
 {
   const PetscReal xi = damping->stiffness / crossing + 0.25 * damping->mass * crossing + damping->linear;
@@ -103,8 +104,8 @@ static PetscErrorCode FindScaledStep(MpmModel model)
 #define EVEN 10 /* steps at a stage's end that are of one length */
 
 /*
-  A step that the stage's end cuts short has another contact: what rests presses by what its weight moves it in a step. So where
-  anything touches the last ones share what is left.
+  A step shortened by the stage's end changes contact, since resting bodies press by their displacement under weight in
+  a step. Where anything touches the last steps therefore share the remaining time.
 */
 static void ShareRest(MpmModel model)
 {

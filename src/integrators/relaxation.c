@@ -1,41 +1,43 @@
 /*
   Dynamic relaxation: a state at rest, found by explicit steps whose motion is damped.
 
-    kinetic  no damping until the points' kinetic energy falls; then all velocities become zero, and the points stay where
-             they are in that step; not while supports move
+    kinetic  no damping until the points' kinetic energy falls; then all velocities become zero, and the points stay
+             where they are in that step; not while supports move
     viscous  f_i -= 2 xi m_i v_i ; xi is a rate, 1/s, critical for a mode whose angular frequency it is
     local    f_i -= alpha |f_i| sign(v_i), by component
 
-  The stage ends where both have been below the tolerance for long enough, once points have moved and no load, condition, boundary or
-  strength changes any more:
+  The stage ends where both criteria have been below the tolerance for long enough, once points have moved and no load,
+  condition, boundary or strength changes any more:
 
     K_F = max_i |f_ext - f_int|_i / max_i |f_ext|_i ,  without prescribed components: there it is the reaction
     K_E = sum_p m_p v_p^2/2 / W ,  W += sum_i f_ext,i . u_i  the work of the loads since the stage began
 
-  With `balance: points` the numerator is that of M_c M^-1 (f_ext - f_int), M_c the consistent mass of the points and M the lumped one: of the
-  forces as the points feel them, whose accelerations are sum_j w_jp f_j/m_j. At a surface a few points touch more nodes than they can move,
-  and forces that add up to none on each point stay there for good. The damping of relaxation is in neither; Rayleigh's is in both, so
-  that what creeps against it looks balanced.
+  With `balance: points` the numerator is that of M_c M^-1 (f_ext - f_int), M_c the consistent mass of the points and M
+  the lumped one: of the forces on the points, whose accelerations are sum_j w_jp f_j/m_j. At a surface a few points
+  touch more nodes than they can move, and forces that cancel out on each point stay there for good. The damping of
+  relaxation is in neither; Rayleigh's is in both, so that creep against it counts as balanced.
 
-  K_F of 1 % at a node says little of a slow mode, whose forces are spread over all of them. How long is long enough, without `hold`:
+  K_F of 1 % at a node says little of a slow mode, whose forces are spread over all of them. Duration of the criteria
+  without `hold`:
 
-    kinetic  half a period, and then to the next reset, where what vibrates is in its static place; where no reset comes, since what moves
-             creeps, a whole period. That is 2 and 4 times what the first motion from rest took to the peak of its energy, which
-             is a quarter of the period of the mode that the loads excite most
-    viscous  2/xi: what vibrates has become e^-2 of what it was
-    local    as long again as the stage took until they held: this damping has no rate
+    kinetic  half a period, and then to the next reset, where vibrations pass their static place; without a reset, in
+             creep, a whole period. The periods are 2 and 4 times the time of the first motion from rest to the peak of
+             its energy, a quarter of the period of the mode that the loads excite most
+    viscous  2/xi: vibrations have decayed to e^-2
+    local    as long again as the stage took until they were met: this damping has no rate
 
-  With `nodal_mass: scaled` the nodes move with other masses, and the kinetic energy is theirs. A step dt is stable where
-  m_i >= dt^2/4 sum_j |K_ij|, since the sums of rows bound the largest eigenvalue of M^-1 K (Gershgorin), and a point adds to a block K_ij
-  no more than V (lambda + 2 mu) |grad w_i| |grad w_j|:
+  With `nodal_mass: scaled` the nodes move with other masses, and the kinetic energy is theirs. A step dt is stable
+  where m_i >= dt^2/4 sum_j |K_ij|, since the sums of rows bound the largest eigenvalue of M^-1 K (Gershgorin), and a
+  point adds to a block K_ij no more than V (lambda + 2 mu) |grad w_i| |grad w_j|:
 
     m'_i = max( m_i , (dt/cfl)^2/4 sum_p m_p c_p^2 |grad w_ip| sum_j |grad w_jp| )
 
-  The step is the one that the slowest material could take; what is stiff, and nodes that little material touches, become heavier.
+  The step is that of the slowest material; stiff material, and nodes that little material touches, become heavier.
 
-  Sources: Cundall (1976, 1987); Jin, Yin et al., kinetic damping in the material point method, whose criteria these are; Barnes
-  (1999), Int. J. Space Struct. 14, 89-104, doi:10.1260/0266351991494722 (kinetic damping); Underwood (1983), Dynamic relaxation, in: Belytschko, Hughes (eds.),
-  Computational Methods for Transient Analysis, 245-265 (masses).
+  Sources: Cundall (1976, 1987); Jin, Yin et al., kinetic damping in the material point method, whose criteria these
+  are; Barnes (1999), Int. J. Space Struct. 14, 89-104, doi:10.1260/0266351991494722 (kinetic damping); Underwood
+  (1983), Dynamic relaxation, in: Belytschko, Hughes (eds.), Computational Methods for Transient Analysis, 245-265
+  (masses).
 */
 #include "geometry/geometry.h"
 #include "particles/body.h"
@@ -94,8 +96,8 @@ static PetscErrorCode ScaleMasses(MpmModel model, PetscReal **mass)
 }
 
 /*
-  Turns the forces at the local nodes, along the axes, into those that accelerate the material's masses as much as they would these; not
-  on prescribed unknowns, whose forces are reactions.
+  Scales the forces at the local nodes, along the axes, by the ratio of the inertia's masses to `mass`, so that the
+  accelerations are those of `mass`; not on prescribed unknowns, whose forces are reactions.
 */
 static void ScaleForces(const MpmModel model, const PetscReal mass[], PetscReal force[])
 {
@@ -142,8 +144,8 @@ static PetscReal FreeSquare(const MpmModel model, PetscInt node, const PetscReal
 }
 
 /*
-  K_F, from the whole forces at the owned nodes. Nodes without mass have nothing to balance. Where there are no loads, since
-  supports drive the material, their largest force counts.
+  K_F, from the whole forces at the owned nodes. Nodes without mass have nothing to balance. Where there are no loads,
+  since supports drive the material, their largest force counts.
 */
 static PetscErrorCode Compare(MpmModel model, const PetscReal load[], const PetscReal force[])
 {
@@ -219,7 +221,8 @@ static PetscReal End(const MpmModel model)
   return rescuing->on ? rescuing->clock + model->disc.sum->dt : model->state.time + model->disc.sum->span;
 }
 
-/* Are supports, or loads in a rescue, on their way? A support that stopped with the points would lose a step's part of it. */
+/* True while supports, or loads in a rescue, move. A support that stopped with the points would lose that fraction of
+   a step. */
 static PetscErrorCode IsDriven(MpmModel model, PetscBool *driven)
 {
   const MpmConstraints *constraints = model->disc.constraints;
@@ -268,7 +271,8 @@ static PetscReal Later(PetscReal until, MpmRamp ramp, PetscReal start)
   return ramp ? PetscMax(until, start + MpmRampLastChange(ramp)) : until;
 }
 
-/* The run's time from which on loads, conditions, motions, boundaries, water and strengths of the stage stay as they are. */
+/* The run's time from which on loads, conditions, motions, boundaries, water and strengths of the stage stay as they
+   are. */
 static PetscReal StillFrom(const MpmModel model)
 {
   const MpmScene *scene = &model->scene;
@@ -300,7 +304,7 @@ static PetscReal StillFrom(const MpmModel model)
   return until;
 }
 
-/* Is there anything to be at rest: has a point moved, and is all that drives the material at its end? */
+/* True where the material may be at rest: a point has moved, and all driving is at its end. */
 static PetscErrorCode MayRest(MpmModel model, PetscBool *may)
 {
   const MpmRelaxing *relaxing = &model->state.relaxing;
@@ -321,7 +325,7 @@ static PetscErrorCode MayRest(MpmModel model, PetscBool *may)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Have the criteria held for long enough? */
+/* True where the criteria have been met for long enough. */
 static PetscBool HaveHeld(const MpmModel model)
 {
   const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;

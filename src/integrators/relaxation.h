@@ -10,13 +10,13 @@
 void MpmRelaxationBegin(MpmModel model);
 /* Nothing relaxes in the step that comes: its columns are 0. */
 void MpmRelaxationForget(MpmModel model);
-/* Could a stage of that type go on where the quasi-static one under way does not? */
+/* True where a stage of that type could go on instead of the failing quasi-static one. */
 PetscBool MpmCouldRelax(const MpmModel model);
 /*
-  Within an explicit step. Damp: the forces at the local nodes are there, `force`, and take up what damps them, once they have
-  been compared with the loads, `load` (this rank's part of them), which comes back whole. Observe: the points have their new
-  velocities; past a peak of their energy they are stopped. Finish: the loads' work in the displacements model->disc.u; where the criteria
-  hold the stage ends.
+  Within an explicit step. Damp: compares the forces at the local nodes, `force`, with the loads, `load` (this rank's
+  share, which becomes the whole), and adds damping. Observe: the points have their new velocities; past a peak of their
+  energy they are stopped. Finish: the loads' work in the displacements model->disc.u; where the criteria are met the
+  stage ends.
 */
 PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal force[]);
 PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped);

@@ -1,21 +1,21 @@
 /*
-  The scheme `second`: steps of two stages for physics with a rate (SDIRK2).
+  The scheme `second`: steps of two sub-steps for physics with a rate (SDIRK2).
 
     s_1 - s_n = gamma dt k(t_n + gamma dt) ,     s_{n+1} - s_n = (1 - gamma) dt k(t_n + gamma dt) + gamma dt k(t_{n+1})
 
-  with gamma = 1 - 1/sqrt(2), s what the physics stores, k what flows in, and the momentum balance at the time of each
-  stage. Of order 2 with steps of any lengths, L-stable, and stiffly accurate: what is found at the step's end obeys all
-  equations of that time, so that a sudden load leaves no trace in them.
+  with gamma = 1 - 1/sqrt(2), s the storage of the physics, k its inflow, and the momentum balance at the time of each
+  sub-step. Of order 2 with steps of any lengths, L-stable, and stiffly accurate: the solution at the step's end obeys
+  all equations of that time, so that a sudden load leaves no trace in them.
 
   Source: Alexander (1977), SIAM J. Numer. Anal. 14, 1006-1021, doi:10.1137/0714068.
 
-  Both stages start from the same points on the same grid. The first is a step of length gamma dt by itself, so that at the
-  nodes gamma dt k_1 = s_1 - s_n, and the second may take
+  Both sub-steps start from one state of the points on one grid. The first is a step of length gamma dt by itself, so
+  that at the nodes gamma dt k_1 = s_1 - s_n, and the second may take
 
     s_{n+1} - s_n - theta (s_1 - s_n) = gamma dt k(t_{n+1}) ,     theta = (1 - gamma)/gamma
 
-  which needs of the first no more than s_1 at the points (MpmKernelStage). Only the second becomes the state; history goes
-  from the step's start to its end at once. What flows through constrained nodes is theta times the first stage's and the
+  which needs of the first only s_1 at the points (MpmKernelStage). Only the second becomes the state; history goes from
+  the step's start to its end at once. The flow through constrained nodes is theta times the first sub-step's and the
   second's.
 */
 #include "point/layout.h"
@@ -64,7 +64,7 @@ static PetscInt ReactionCount(const MpmModel model)
   return (model->scene.bcs->count + model->scene.motions->count) * model->disc.block;
 }
 
-/* What the second stage needs of the first. */
+/* Data of the first sub-step for the second. */
 static PetscErrorCode KeepFirst(MpmModel model)
 {
   const MpmLayout *layout = model->disc.layout;

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What a step of two stages keeps (sdirk.c), and the error in time that follows from them (time_error.c).
+  Data of a step of two sub-steps (sdirk.c), and the error in time that follows from them (time_error.c).
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -14,7 +14,7 @@ struct MpmSdirk {
   PetscReal      *F, *value, *deviation;
   MpmKernelStage *stage;    /* of each point, pointing to those */
   PetscReal      *reaction; /* of the first stage, as MpmDiscretization's */
-  PetscReal       change;   /* what errors are relative to, should the step be accepted */
+  PetscReal       change;   /* reference of errors, if the step is accepted */
 };
-/* What the integrator of two stages keeps (sdirk.c). */
+/* Data of the integrator of two sub-steps (sdirk.c). */
 PetscErrorCode MpmSdirkDestroy(MpmSdirk **sdirk);

@@ -1,21 +1,21 @@
 /*
-  The error in time of a step of two stages (sdirk.c).
+  The error in time of a step of two sub-steps (sdirk.c).
 
-  What the physics stores, s, is given at the step's end by the line through its start and the first stage, too, but of
+  The storage s of the physics at the step's end also follows from the line through its start and the first sub-step, of
   order 1; the distance of the two is
 
     e = s_{n+1} - s_n - (s_1 - s_n)/gamma = c (omega dt)^2 ,
 
-  omega being the rate of change. It comes from the physics' own equations: with dt = 0 nothing flows, and with
-  1/gamma in place of theta they give the part of e at each node (in volumes, over the node's own volume). Nodes
-  with a prescribed value, or where water passes a face at a pressure, do not count: the stored amount may jump there.
-  Followers (extension.c) count with their masters. The scheme's own error is of the next order, (omega dt)^3, so
+  omega being the rate of change. The physics' own equations give e: with dt = 0 nothing flows, and with 1/gamma in
+  place of theta they give e at each node (in volumes, over the node's own volume). Nodes with a prescribed value, or
+  where water passes a face at a pressure, do not count: the stored amount may jump there. Followers (extension.c) count
+  with their masters. The scheme's own error is of the next order, (omega dt)^3, so
 
     estimate = 1.2 (|e|/|S|)^(3/2)
 
-  |.| is the root mean square over the material. S is the largest change since the stage's start that there has been: of
-  the field over the material's stiffness, where it is a stress, which is what the ground would store of it, and of s in the
-  step. The factor is so chosen that consolidation (one-dimensional, finite strain) keeps the bound that is asked for.
+  |.| is the root mean square over the material. S is the largest change since the stage's start that there has been:
+  of the field over the material's stiffness, where it is a stress, as the storage of the ground, and of s in the
+  step. The factor is so chosen that consolidation (one-dimensional, finite strain) keeps the requested bound.
   Source for the shape of such estimates: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 */
 #include "particles/particles.h"
@@ -32,10 +32,11 @@
 /* The power of the step's length that the estimate goes with. */
 #define ORDER  3.
 #define FACTOR 1.2
-/* A step is chosen for this part of the error that is allowed, for its own will differ; it shrinks by no more at once. */
+/* A step is chosen for this fraction of the allowed error, for its own will differ; it shrinks by no more at once. */
 #define SAFETY   0.5
 #define SHORTEST 0.2
-/* So many lengths of steps between a power of two and the next: an estimate's last digits, which depend on the ranks, do not count. */
+/* Lengths of steps between a power of two and the next: an estimate's last digits, which depend on the ranks, do not
+   count. */
 #define PARTS 1024.
 
 const char *const MpmTimeErrorField = "value_start";
@@ -138,7 +139,8 @@ static PetscErrorCode StoredSquare(MpmModel model, PetscInt c, const MpmKernelSt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The integral of the square of the change of the field since the stage's start, over the stiffness where it is a stress. */
+/* The integral of the square of the change of the field since the stage's start, over the stiffness where it is a
+   stress. */
 static PetscErrorCode ChangeSquare(MpmModel model, PetscInt c, PetscReal *square)
 {
   const MpmPoints *points = model->disc.points;

@@ -44,7 +44,7 @@ static PetscErrorCode ReadSide(const MpmOptions *block, PetscInt dim, PetscInt *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What water meets there. */
+/* Conditions for water. */
 static PetscErrorCode ReadWater(const MpmOptions *block, const MpmLayout *layout, MpmBodySurface *surface,
                                 PetscBool *any)
 {

@@ -1,19 +1,19 @@
 #pragma once
 /*
-  Surfaces of bodies, with what acts on them: what is read (body_surface.c), the faces of a step (surface_faces.c) and the
+  Surfaces of bodies, with their loads: options (body_surface.c), the faces of a step (surface_faces.c) and the
   term (surface_load.c).
 */
 #include "base/base.h"
 #include "base/types.h"
 
 /*
-  Faces of a body's points that bound the material, on one side of the lattice or on all; or those of any body that touch a drained
-  boundary.
+  Faces of a body's points that bound the material, on one side of the lattice or on all; or those of any body that
+  touch a drained boundary.
 */
 typedef struct {
   char     *name;
   PetscInt  body, faces;                   /* body: or -1; faces: bits of those that belong to it (outer_faces.h) */
-  PetscInt  boundary;                      /* that is drained, or -1 */
+  PetscInt  boundary;                      /* index of a drained boundary, or -1 */
   MpmRegion region;                        /* of the faces' places in the initial state; NULL: everywhere */
   PetscReal traction[MPM_MAX_DIM], normal; /* Pa on the current faces: a vector; the stress along the outward normal */
   PetscBool loaded;
@@ -68,7 +68,7 @@ PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name,
                                     const PetscReal tolerance[], const MpmBodies *bodies, MpmBodySurface *surface);
 /* Adds what drained boundaries are to the list of surfaces, of which count and names are there. */
 PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBodySurfaces *surfaces);
-/* Is there one on which open water stands below its level? */
+/* True where open water stands below its level on one of them. */
 PetscBool      MpmSurfacesOpen(const MpmBodySurfaces *surfaces);
 PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces);
 /* Surfaces and what acts of them are borrowed; the latter stand one behind the other. */
@@ -79,8 +79,8 @@ PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPo
 /* Marks the local nodes at which water passes faces, those of ghosts at their owners; others become 0. */
 PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *space, PetscReal mark[]);
 /*
-  The conditions that hold faces of a surface on all sides along their normals, 1 by condition. Such faces lie on planes of symmetry and
-  are left out. Collective.
+  The conditions that constrain faces of a surface on all sides along their normals, 1 by condition. Such faces lie on
+  planes of symmetry and are left out. Collective.
 */
 PetscErrorCode MpmSurfaceFacesFindHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, MpmParticles *particles,
                                        PetscInt surface, PetscInt held[]);
@@ -91,5 +91,5 @@ PetscErrorCode MpmSurfaceFlowCommit(MpmSurfaceFaces *faces, const MpmSum *sum, c
 /* Refuses surfaces that act, and whose bodies are there, without a face. Collective. */
 PetscErrorCode       MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,
                                           MpmParticles *particles);
-extern const MpmTerm MpmTermSurfaces;    /* what acts on them (surface_load.c); ctx: MpmSurfaceFaces */
+extern const MpmTerm MpmTermSurfaces;    /* loads on them (surface_load.c); ctx: MpmSurfaceFaces */
 extern const MpmTerm MpmTermSurfaceFlow; /* water that passes (surface_flow.c); likewise */

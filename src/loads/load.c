@@ -1,5 +1,5 @@
 /*
-  Loads on the material. They pick their points in the initial state and keep each point's share in a field of the
+  Loads on the material. Points are picked in the initial state, and each point's share is kept in a field of the
   particles, so that shares travel with the points.
 */
 #include "options/options.h"
@@ -105,13 +105,13 @@ static PetscReal FacePosition(const MpmLoad *load, PetscInt dim, PetscInt side, 
   return points->x0[k] + (PetscReal)side * points->half_length[k];
 }
 
-/* What a traction's region says: its box, and whether it is a face itself or a layer of material behind one. */
+/* Region of a traction: its box, and whether it is a face itself or a layer of material behind one. */
 typedef struct {
   PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
   PetscBool thin;
 } FaceRegion;
 
-/* Does the point's face lie in the region; in a layer, does the point? */
+/* True where the point's face lies in the region; in a layer, the point. */
 static PetscBool FaceSelected(const MpmLoad *load, const FaceRegion *region, PetscInt dim, PetscInt side,
                               const MpmPoints *points, PetscInt p)
 {
@@ -218,7 +218,7 @@ PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *p
 
 /* ---- application ---- */
 
-/* The unknown of a node that takes the load's k-th number, and what the number is multiplied by: the water's equation has a minus. */
+/* The unknown of a node that takes the load's k-th number, and the number's factor: the water's equation is negated. */
 static PetscInt Unknown(const MpmLoad *load, const MpmSum *sum, PetscInt k)
 {
   return load->type == MPM_LOAD_FLUX ? MpmPressureComponent(sum->layout) : k;
@@ -294,8 +294,8 @@ static void Product(const MpmGroup *group, PetscReal line[][MPM_MAX_WIDTH], Pets
 }
 
 /*
-  Weights of the face's centre instead of the point's: a traction does its work where it acts. Shapes without a domain take
-  the point, or the place next to the face's centre between the point's own nodes, which have its mass.
+  Weights of the face's centre instead of the point's: a traction does its work at the face. Shapes without a domain
+  take the point, or the place next to the face's centre between the point's own nodes, which have its mass.
 */
 static PetscErrorCode FaceWeights(const MpmLoad *load, const Touched *at, PetscReal weight[])
 {
@@ -320,20 +320,23 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const Touched *at, PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does gravity act on the points by EndWeights()? What moves has mass where its weight is, so that it falls as one. */
+/* True where gravity acts on the points by EndWeights(): in motion mass and weight must agree, so that material falls
+   as one. */
 static PetscBool ActsAtEnds(const MpmLoad *load, const MpmRules *rules)
 {
   return (PetscBool)(load->type == MPM_LOAD_GRAVITY && rules->shape == MPM_SHAPE_GIMP_BSPLINE2 && !rules->dynamic);
 }
 
 /*
-  On the axis that gravity acts along most the mean of the functions at both ends of the point's domain, instead of that over it.
+  On the axis most nearly along gravity, the mean of the functions at both ends of the point's domain, instead of that
+  over it.
 
-  What a stress sigma_p over a domain of the length 2l puts on a node is sigma_p (w(y + l) - w(y - l)) times the area across.
-  Summed by parts over a column of domains with a stress linear in y, that is the trapezoidal rule for the integral of
-  w d sigma/dy. With the same rule for the weight, ground at rest, or with water that rises steadily, has exactly linear stress at its
-  points. The mean over the domain is the integral itself, l^2/12 of w's slope at the material's ends less: a pair of forces
-  there, which bends the stress of the last rows. (Domains of `gimp` that lie in one cell have both alike.)
+  The force of a stress sigma_p over a domain of the length 2l on a node is sigma_p (w(y + l) - w(y - l)) times the area
+  across. Summed by parts over a column of domains with a stress linear in y, that is the trapezoidal rule for the
+  integral of w d sigma/dy. With this rule for the weight, too, ground at rest, or with water that rises steadily, has
+  exactly linear stress at its points. The mean over the domain is the integral itself, less by l^2/12 of w's slope at
+  the material's ends: a pair of forces there, which bends the stress of the last rows. (For domains of `gimp` that lie
+  in one cell both agree.)
 */
 static PetscErrorCode EndWeights(const MpmLoad *load, const Touched *at, PetscReal weight[])
 {

@@ -18,7 +18,7 @@ typedef struct {
   MpmSelection where;                /* forces; of a traction its region */
   PetscInt     face_axis, face_side; /* traction: the face of the points' domains it acts on */
   PetscBool    face_given;
-  PetscBool    at_face; /* it acts at the face's centre also where shapes have no domain */
+  PetscBool    at_face; /* acts at the face's centre also where shapes have no domain */
   MpmRamp      ramp;
 } MpmLoad;
 

@@ -1,9 +1,9 @@
 /*
-  The faces of surfaces in a step: which there are, their areas and their weights at the nodes.
+  The faces of surfaces in a step, with their areas and their weights at the nodes.
 
-  A face is one of a point's domain (outer_faces.c) that bounded the material as the stage began and still does. It stands at
-  y = x + F l_a e_a with the outward area a = cof(F) A_a e_a. Its weights (facet_weights.c) are at nodes that the point itself touches,
-  and what the face's load does in a uniform strain is exact.
+  A face is one of a point's domain (outer_faces.c) that bounded the material as the stage began and still does. Its
+  place is y = x + F l_a e_a, its outward area a = cof(F) A_a e_a. Its weights (facet_weights.c) are at nodes that the
+  point itself touches, and the work of the face's load in a uniform strain is exact.
 */
 #include "geometry/geometry.h"
 #include "grid/grid.h"
@@ -37,7 +37,7 @@ PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does the point belong to the surface's body, and does the surface act? */
+/* True where the point belongs to the surface's body, and the surface acts. */
 static PetscBool Has(const MpmSurfaceFaces *faces, PetscInt surface, PetscInt id)
 {
   const MpmLoadActing *acting = &faces->acting[surface];
@@ -90,8 +90,8 @@ static PetscErrorCode Reserve(MpmSurfaceFaces *faces, PetscInt weights)
 }
 
 /*
-  Does the face at y touch the boundary that the surface is? It looks at it, and is no farther from it than half a point's
-  spacing: so far off are faces where the boundary cut a lattice.
+  True where the face at y touches the surface's boundary: its normal is towards the boundary, and its distance at most
+  half a point's spacing, that of faces where the boundary cut a lattice.
 */
 static PetscBool Touches(const MpmSurfaceFaces *faces, PetscInt surface, const MpmPoints *points, PetscInt p,
                          const PetscReal y[], const PetscReal area[])
@@ -150,8 +150,8 @@ PetscBool MpmBodySurfaceIsAll(const MpmBodySurface *surface, PetscInt dim)
 #define NEAR 0.5 /* of a point's distance: a face so near a plane of nodes lies on it */
 
 /*
-  The first condition that acts and holds the material along the normal of a face of point p, 2 axis + side, at its middle, -1: none.
-  Such a face of a surface on all sides lies on a plane of symmetry and is left out.
+  The first active condition that constrains the material along the normal of a face of point p, 2 axis + side, at its
+  middle, -1: none. Such a face of a surface on all sides lies on a plane of symmetry and is left out.
 */
 static PetscInt FaceHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, const MpmPoints *points, PetscInt p,
                          PetscInt face)

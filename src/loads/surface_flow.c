@@ -1,8 +1,9 @@
 /*
-  Water that passes surfaces of bodies, where its pressure is prescribed weakly, by Nitsche's method.
+  Flow of water through surfaces of bodies, where its pressure is prescribed weakly, by Nitsche's method.
 
-  With Q the kernel's flux of grad p at a face's point, which is dt V_n J dF^{-1} q for Darcy's velocity q and the volume V_n at the
-  step's start, the water that passes the face of area a there is, with e = p - p_wanted at the face and beta a penalty,
+  With Q the kernel's flux of grad p at a face's point, which is dt V_n J dF^{-1} q for Darcy's velocity q and the
+  volume V_n at the step's start, the outflow through the face of area a is, with e = p - p_wanted at the face and beta
+  a penalty,
 
     O = Q . a/V_n + beta |a| e .
 
@@ -10,18 +11,18 @@
 
     -phi_i O - e (S a/V_n) . grad phi_i ,   S = d Q/d grad p at the step's start .
 
-  The first part is consistent: without the penalty's share a pressure that is linear, hydrostatic say, passes what Darcy's law
-  says. The second one makes the terms symmetric where the kernel is. It does not change sums over the nodes, so what passes all
-  surfaces is what the material loses. Source: Nitsche (1971), doi:10.1007/BF02995904.
+  The first term is consistent: without the penalty's share a pressure that is linear, hydrostatic say, has the flow of
+  Darcy's law. The second one makes the terms symmetric where the kernel is. The second term does not change sums over
+  the nodes, so the flow through all surfaces is the material's loss. Source: Nitsche (1971), doi:10.1007/BF02995904.
 
-  The bulk has the term grad p . S grad p at the very same point, so with
+  The bulk has the term grad p . S grad p at the very point, so with
 
     beta |a| = 2 dim a . (-S) a/V_n^2
 
   the sum is definite however little of a cell is filled, and for all lengths of a step. The pressure beside the face is
-  then that of water which flows in over the distance from the point to the face, over 2 dim: a part of a point's
-  spacing. A larger penalty holds the pressure at each face of a staircase, at the outer and the inner ones, and with it
-  the gradient between them: the body drains as a smaller one.
+  then that of water which flows in over the distance from the point to the face, over 2 dim: a fraction of a point's
+  spacing. A larger penalty would fix the pressure at each face of a staircase, at the outer and the inner ones, and
+  with it the gradient between them: the body would drain as a smaller one.
 */
 #include "grid/grid.h"
 #include "space/point_loop.h"
@@ -34,7 +35,8 @@
 
 #define MOBILITY 2. /* of the least penalty, an axis */
 
-/* A face's point, and what passes the face with its derivatives: by the kernel's inputs, and by the pressure at the face. */
+/* A face's point, and the flow through the face with its derivatives: by the kernel's inputs, and by the pressure at
+   the face. */
 typedef struct {
   MpmWorkspace     work;
   const MpmGroup  *group;
@@ -68,7 +70,7 @@ static void Begin(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, cons
     flow->excess += flow->weight[i] * flow->work.values[faces->component * known.n + i];
 }
 
-/* What passes; PETSC_FALSE where the point has no answer. */
+/* Flow through a face; PETSC_FALSE where the point has no answer. */
 static PetscBool Outflow(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, Flow *flow)
 {
   const PetscInt first = GradientInput(sum->layout, faces->component);
@@ -177,7 +179,7 @@ static PetscReal OpenWater(const MpmSurfaceFaces *faces, const MpmSurfaceFace *f
   return faces->open * table->weight * PetscMax(MpmWaterTableDepth(table, time, face->place), 0.);
 }
 
-/* That of water at rest at a drained face, by its weights; without a level 0. */
+/* Pressure of water at rest at a drained face, by its weights; without a level 0. */
 static PetscReal AtRest(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum)
 {
   const MpmGroup *group    = &sum->space->groups[face->group];

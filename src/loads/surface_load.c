@@ -1,8 +1,8 @@
 /*
   Tractions and normal stresses on surfaces of bodies.
 
-  A face with the area a at the step's start (surface_faces.c) has a' = cof(dF) a at its end, dF = I + sum_j u_j (x) grad w_j that of
-  its point, so that the next step starts from the very area a'. With the ramp's factor f it exerts
+  A face with the area a at the step's start (surface_faces.c) has a' = cof(dF) a at its end, dF = I + sum_j u_j (x)
+  grad w_j that of its point, so that the next step starts from the very area a'. With the ramp's factor f it exerts
 
     normal s:    f s a' ,        traction t:   f t |a'| ,      open water, at a drained face below its level:   -p a'
 
@@ -109,7 +109,7 @@ static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
   }
 }
 
-/* Does anything act on the face? */
+/* True where the face has a load. */
 static PetscBool IsLoaded(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face)
 {
   return (PetscBool)((faces->surfaces->at[face->surface].loaded && faces->factor[face->surface] != 0.) ||

@@ -6,8 +6,8 @@
 
   A table is a line through points, of which place and height are given, level beyond its ends.
 
-  Below the level the pressure starts as that of water at rest. Above it the ground is dry, its pressure held at 0, or it holds
-  water by suction. Drained surfaces below the level lie under open water, which presses on them.
+  Below the level the pressure starts as that of water at rest. Above it the ground is dry, with a prescribed pressure
+  of 0, or has water by suction. Drained surfaces below the level lie under open water, which presses on them.
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
@@ -16,7 +16,8 @@
 
 #define SLACK 1e-6 /* of gravity, and of the grid's height */
 
-/* Gravity must act along one axis. */
+/* Reads level or table, above and ramp; the grid's lower and upper bounds are those of its range. `weight` is the
+   density. */
 static PetscErrorCode FindVertical(const MpmLoads *loads, PetscInt dim, MpmWaterTable *table, PetscReal *gravity)
 {
   PetscReal sum[MPM_MAX_DIM] = {0., 0., 0.};

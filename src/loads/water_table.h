@@ -7,8 +7,8 @@
 
 /* A level along gravity's axis, on which a ramp acts; heights are coordinates up that axis. */
 typedef struct MpmWaterTable {
-  PetscBool  there;   /* is there one? */
-  PetscBool  suction; /* above it the pressure goes on, negative; otherwise it is held at 0 */
+  PetscBool  there;   /* the scene has one */
+  PetscBool  suction; /* hydrostatic and negative above it; otherwise 0 */
   PetscInt   axis, up;
   PetscReal  level, weight; /* m; N/m3 */
   PetscInt   count, along;  /* points of a line in place of the level; 0: none; axis of their places */
@@ -16,7 +16,8 @@ typedef struct MpmWaterTable {
   MpmRamp    ramp;
 } MpmWaterTable;
 
-/* Reads level or table, above and ramp; the grid's lower and, behind them, upper bounds say where that may be. `weight` is the density. */
+/* Reads level or table, above and ramp; the grid's lower and upper bounds are those of its range. `weight` is the
+   density. */
 PetscErrorCode MpmWaterTableCreate(const MpmOptions *options, PetscInt dim, const PetscReal bounds[2 * MPM_MAX_DIM],
                                    const MpmLoads *loads, MpmWaterTable *table);
 PetscErrorCode MpmWaterTableDestroy(MpmWaterTable *table);

@@ -1,5 +1,5 @@
 /*
-  What a caller of the library sees of a model's points, loads and reactions.
+  A model's points, loads and reactions for a caller of the library.
 */
 #include "point/material.h"
 #include "particles/particles.h"

@@ -1,10 +1,10 @@
 /*
-  Bodies that are there at the same time must not overlap: their mass would count twice.
+  Bodies that exist at one time must not overlap: their mass would count twice.
 
-  A point claims the material at its centre. It overlaps another body when the centre lies inside that body's region, not
-  merely on its edge. Bodies from files have no region; their points overlap others when, in one cell of the grid, the
-  centre of one lies in the domain of the other. Nothing of this depends on the number of ranks. On an edge that two
-  bodies with the same lattice share, the points are those of the body that is named first.
+  A point claims the material at its centre. The point overlaps another body when the centre lies inside that body's
+  region, not merely on its edge. Bodies from files have no region; their points overlap others when, in one cell of the
+  grid, the centre of one lies in the domain of the other. Nothing of this depends on the number of ranks. On an edge
+  that two bodies with one lattice share, the points are those of the body that is named first.
 */
 #include <stdint.h>
 #include "grid/grid.h"
@@ -18,7 +18,7 @@
 
 /* ---- which bodies meet ---- */
 
-/* Are the bodies there in one stage? */
+/* True where the bodies exist in one stage. */
 static PetscBool Meet(const MpmModel model, PetscInt one, PetscInt other)
 {
   const PetscInt body[2] = {one, other};
@@ -115,7 +115,7 @@ static void Domain(const Search *search, MpmStretch stretch, PetscInt p, PetscRe
   }
 }
 
-/* Two points of one cell: is the centre of one in the domain of the other? */
+/* Two points of one cell: notes an overlap where the centre of one is in the domain of the other. */
 static void SearchPair(Search *search, MpmStretch stretch, PetscInt p, PetscInt q)
 {
   const PetscInt dim = search->grid->dim, one = search->body_of[p], other = search->body_of[q];
@@ -157,7 +157,7 @@ static PetscErrorCode SearchCells(Search *search, MpmStretch stretch)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same on all ranks. */
+/* Ends the run where there is an overlap, with equal text on all ranks. */
 static PetscErrorCode Refuse(const MpmModel model, Search *search)
 {
   const PetscInt dim = search->grid->dim;

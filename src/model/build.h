@@ -28,7 +28,8 @@ PetscErrorCode MpmBodiesShareEdges(MpmModel model);
 PetscErrorCode MpmBodiesCheckOverlap(MpmModel model);
 /* Before points are made: which way is up, and which bodies join a stage. */
 PetscErrorCode MpmBodiesPrepare(MpmModel model);
-/* What points start with beside what their bodies give: the physics' own states, and parts of the material (point_start.c). */
+/* Initial fields of points besides those of their bodies: the physics' own states, and parts of the material
+   (point_start.c). */
 PetscErrorCode MpmFillOwnStates(MpmModel model);
 /* The file of a body, with what the physics keeps of a point; and that into the points, once they have all else. */
 PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscInt b);
@@ -36,11 +37,11 @@ PetscErrorCode MpmFillFromFiles(MpmModel model);
 PetscErrorCode MpmFillParts(MpmModel model);
 /* The particles with the fields that the scene asks for, and no points yet. */
 PetscErrorCode MpmPointFieldsCreate(MpmModel model);
-/* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked; the discretization is set up. */
+/* Makes the points, sends them to their ranks, and finds loaded and tracked ones; the discretization is set up. */
 PetscErrorCode MpmPointsCreate(MpmModel model);
 /* Numbers of the row of parameters that each point has; 0: no material varies. Sets the materials' strides. */
 PetscInt MpmOwnParametersSize(MpmModel model);
-/* Do points keep their places in the initial state, beside those where displacements began anew? */
+/* True where points keep their places in the initial state, beside those where displacements began anew. */
 PetscBool MpmOriginIsKept(const MpmModel model);
 /* Views the model where -mpm_view says so. */
 PetscErrorCode MpmModelViewFromOptions(MpmModel model);

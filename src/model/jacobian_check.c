@@ -1,6 +1,6 @@
 /*
-  How far apart the Jacobian's forms are, for who has written a law or a physics: one step is prepared, an increment made up,
-  and the Jacobian there made in all ways.
+  Differences between the Jacobian's forms, for authors of a law or a physics: one step is prepared, an increment made
+  up, and the Jacobian there made in all ways.
 */
 #include "particles/particles.h"
 #include "space/space.h"

@@ -23,7 +23,7 @@ struct MpmLaboratory {
   MpmStrainMeasure strain_measure;
   MpmPointPath     path;
   MpmStressPoint   point;
-  PetscBool        ready;    /* it has been set up */
+  PetscBool        ready;    /* set up */
   PetscReal        fraction; /* length of the next step over that of the scene's own */
 };
 
@@ -266,7 +266,7 @@ static PetscErrorCode Advance(MpmModel model, PetscReal target, PetscReal nomina
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Has a rank been sent a signal before the end? */
+/* True where a rank has received a signal before the end. */
 static PetscErrorCode IsInterrupted(MpmModel model, PetscBool *interrupted)
 {
   PetscFunctionBeginUser;

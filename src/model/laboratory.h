@@ -2,7 +2,7 @@
 /*
   The laboratory: a scene of one material point, without grid and bodies (physics: stress_point).
 
-  The model calls, in this order: Read, SetUp, Run, Destroy. It has a laboratory where the scene asks for one.
+  Order of calls of the model: Read, SetUp, Run, Destroy. A model has a laboratory where the scene has that physics.
 */
 #include "base/types.h"
 #include "talus/talus.h"
@@ -11,7 +11,7 @@ typedef struct MpmLaboratory MpmLaboratory;
 
 /* The options of a stress point, besides what any scene has: dim, title, output. */
 PetscErrorCode MpmLaboratoryRead(MpmModel model, const MpmOptions *options, PetscInt dim);
-/* The same block for a manual that is of no particular scene. */
+/* Options of the laboratory for a manual that is of no particular scene. */
 PetscErrorCode MpmLaboratoryPrintHelp(MpmModel model, const MpmOptions *options);
 /* Brings the point to the stress at the start. */
 PetscErrorCode MpmLaboratorySetUp(MpmModel model);

@@ -101,7 +101,7 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
 
 /* ---- what the caller sets ---- */
 
-/* Has the scene been read? */
+/* True where the scene has been read. */
 static PetscBool HasScene(const MpmModel model)
 {
   return (PetscBool)(model->scene.stages || model->laboratory);
@@ -333,7 +333,7 @@ static PetscErrorCode CheckPrefix(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What all runs have. */
+/* Options of all runs. */
 static PetscErrorCode ReadPrefix(MpmModel model, const MpmOptions *options, const MpmOptions *block)
 {
   PetscFunctionBeginUser;

@@ -1,5 +1,6 @@
 /*
-  What points start with that bodies do not know: the physics' own states, parameters, and the parts of the material.
+  Initial fields of points besides those of their bodies: the physics' own states, parameters, and the parts of the
+  material.
 */
 #include "options/options.h"
 #include "point/layout.h"
@@ -224,7 +225,7 @@ static PetscErrorCode SelectPoints(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What stages note of the points as they start. */
+/* Initial fields of points for stages. */
 static void AddStageFields(const MpmModel model, const char *fields[], PetscInt *count)
 {
   for (PetscInt a = 0; MpmStagesReduce(model) && a < model->disc.dim; a++) fields[(*count)++] = MpmReductionFields[a];
@@ -233,7 +234,7 @@ static void AddStageFields(const MpmModel model, const char *fields[], PetscInt 
   if (MpmStagesConsolidate(model)) fields[(*count)++] = MpmConsolidationField;
 }
 
-/* What contacts keep at the points. */
+/* Fields of points for contacts. */
 static void AddContactFields(const MpmModel model, const char *fields[], PetscInt *count)
 {
   for (PetscInt k = 0; k < model->scene.pairs->count; k++) {
@@ -252,7 +253,8 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
   }
 }
 
-/* A run that goes on needs the bodies only where later stages bring or change them, and where contact knows their shape. */
+/* True where a run that goes on needs the bodies: where later stages add or change them, and where contact uses their
+   shape. */
 static PetscBool NeedsBodies(const MpmModel model)
 {
   return (PetscBool)(!model->results->checkpoint.restart || model->scene.stages[0].name ||

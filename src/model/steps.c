@@ -29,15 +29,15 @@ static PetscBool AtStageEnd(const MpmModel model)
   return (PetscBool)(!model->state.scheme.rescuing.on && model->state.time >= model->state.time_end * (1. - 1e-12));
 }
 
-/* Has the last stage come to its end? */
+/* True at the end of the last stage. */
 static PetscBool AtEnd(const MpmModel model)
 {
   return (PetscBool)(AtStageEnd(model) && model->state.stage + 1 >= model->scene.stage_count);
 }
 
 /*
-  The next step, in the next stage where this one has ended; a geostatic stage is a single step for the results. Where a relaxation
-  goes on in place of a step it is one of that, and there is nothing to tell until it has come to rest.
+  The next step, in the next stage where this one has ended; a geostatic stage is a single step for the results. Where a
+  relaxation replaces a step it is one of that, without a report until it has come to rest.
 */
 static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
 {
@@ -104,7 +104,7 @@ PetscErrorCode MpmModelStep(MpmModel model, MpmStatus *status)
 
 /* ---- the run ---- */
 
-/* Has the step a number for which results are wanted? */
+/* True where results are written for the step's number. */
 static PetscBool IsDue(const MpmModel model)
 {
   const MpmResults *results = model->results;
@@ -112,13 +112,14 @@ static PetscBool IsDue(const MpmModel model)
   return (PetscBool)(results->output_every && model->state.step % results->output_every == 0);
 }
 
-/* Does the state wait until the run's last stage has been finished? */
+/* True where the state waits until the run's last stage has been finished. */
 static PetscBool Waits(const MpmModel model)
 {
   return (PetscBool)(AtEnd(model) && MpmStageHasFinish(model));
 }
 
-/* What a step alone can tell, and no checkpoint: forces in cuts, stresses along lines, the grid. */
+/* Output that needs a step's nodal data, which checkpoints do not hold: forces in cuts, stresses along lines, the
+   grid. */
 static PetscErrorCode WriteStep(MpmModel model)
 {
   PetscFunctionBeginUser;
@@ -127,7 +128,7 @@ static PetscErrorCode WriteStep(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* That, and the points. */
+/* Output of a step, and the points. */
 static PetscErrorCode WriteDue(MpmModel model)
 {
   PetscFunctionBeginUser;
@@ -167,7 +168,7 @@ static PetscErrorCode WarnUnused(MpmModel model, MpmMoment moment)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a converged step leaves: its row, its line, and at times the points. */
+/* Output of a converged step: its row, its line, and at times the points. */
 static PetscErrorCode Report(MpmModel model, PetscReal dt)
 {
   char boils[MPM_WATER_TEXT];
@@ -182,7 +183,7 @@ static PetscErrorCode Report(MpmModel model, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the end of a run leaves, whatever has ended it. */
+/* Output at the end of a run, whatever has ended it. */
 static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
 {
   const MpmResults *results = model->results;

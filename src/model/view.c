@@ -1,5 +1,5 @@
 /*
-  -mpm_view: what a model consists of, in PETSc's manner: the model itself, its grid, the space of the last step, and the
+  -mpm_view: contents of a model, in PETSc's manner: the model itself, its grid, the space of the last step, and the
   solver's objects, which view themselves.
 */
 #include "point/layout.h"

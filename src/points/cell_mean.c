@@ -1,11 +1,11 @@
 /*
-  Means over cells: what a kernel that averages a scalar m of its points needs of the engine.
+  Means over cells: services of the engine for a kernel that averages a scalar m of its points.
 
     m_bar = sum_p w_p m_p ,   w_p = V_p / sum_q V_q over the points whose centres lie in the cell
 
   V_p is the volume at the step's start. All points of a cell belong to one rank, so nothing is sent. With f the flux
-  conjugate to m_bar, summed over the cell, the work f delta m_bar adds f w_p dm_p to the fluxes of each point, and f w_p
-  ddm_p to their derivatives: the passes over a cell make m_bar, then fluxes and f, then that.
+  conjugate to m_bar, summed over the cell, the work f delta m_bar adds f w_p dm_p to the fluxes of each point, and f
+  w_p ddm_p to their derivatives. The passes over a cell make m_bar, then fluxes and f, then these additions.
 */
 #include "points/cell_mean.h"
 #include "points/point_term.h"

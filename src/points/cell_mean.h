@@ -7,8 +7,8 @@
 #include "space/sum.h"
 
 /*
-  Derivatives of a point's fluxes, in one row of numbers, as the kernel gives them; N inputs without the mean m_bar. All but
-  the first are there with means only.
+  Derivatives of a point's fluxes, in one row of numbers, as the kernel returns them; N inputs without the mean m_bar.
+  All but the first are there with means only.
 */
 typedef struct {
   PetscReal *by_input; /* N x N */
@@ -25,7 +25,7 @@ static inline MpmTangent MpmTangentAt(PetscInt N, PetscReal row[])
 {
   return (MpmTangent){row, row + N * N, row + N * (N + 1), row + N * (N + 2), row + N * (N + 2) + 1};
 }
-/* What the passes over a cell with a mean keep of one of its points. */
+/* Data of one point kept by the passes over a cell with a mean. */
 typedef struct {
   MpmKernelPoint point;
   MpmBasis       basis;
@@ -58,10 +58,11 @@ PetscErrorCode MpmCellInputs(const MpmSum *sum, const MpmCell *cell, const Petsc
 /* m_bar from the inputs, and its derivatives; those of m of second order where they are asked for. */
 PetscErrorCode MpmCellMean(const MpmSum *sum, const MpmCell *cell, PetscBool second, MpmCellWork *work,
                            PetscInt *failed);
-/* All of that at u, and the whole fluxes, the mean's part included; with the step's end where the sum has room for it. */
+/* All of that at u, and the whole fluxes, with the mean's contribution; with the step's end where the sum has room for
+   it. */
 PetscErrorCode MpmCellResidual(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], MpmCellWork *work,
                                PetscInt *failed);
-/* The same with tangents in place of the step's end. */
+/* MpmCellResidual() with tangents in place of the step's end. */
 PetscErrorCode MpmCellTangent(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], MpmCellWork *work,
                               PetscInt *failed);
 /* Fluxes to nodal forces. */

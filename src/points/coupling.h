@@ -1,11 +1,11 @@
 #pragma once
 /*
-  What the mean over a cell adds to the points' tangents (coupling.c). All of it does nothing where the physics has no mean.
+  Contribution of the mean over a cell to the points' tangents (coupling.c); none where the physics has no mean.
 */
 #include "points/cell_mean.h"
 
 /*
-  What ties the nodes of a cell together through its mean m_bar, and f, the flux conjugate to it: one value for each
+  Coupling of the nodes of a cell through its mean m_bar, and f, the flux conjugate to it: one value for each
   unknown of the cell's box, [i][c].
 
     K_cell += flux_by_mean mean_by_u^T + mean_by_u (f_by_u + f_by_mean mean_by_u)^T

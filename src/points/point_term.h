@@ -1,7 +1,7 @@
 #pragma once
 /*
-  The two terms of the points: the physics point by point, and with a mean over the cell. Their parts stand in residual.c, tangent.c
-  and tangent_diagonal.c.
+  The two terms of the points: the physics point by point, and with a mean over the cell. Their functions stand in
+  residual.c, tangent.c and tangent_diagonal.c.
 */
 #include "space/point_loop.h"
 

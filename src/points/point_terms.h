@@ -5,7 +5,7 @@
 #include "assembly/terms.h"
 
 extern const MpmTerm MpmTermPoints;    /* the physics at the points (residual.c, tangent.c) */
-extern const MpmTerm MpmTermCellMeans; /* the same where it takes a mean over the cell */
+extern const MpmTerm MpmTermCellMeans; /* the physics with a mean over the cell */
 
-/* What the points would be at displacements u, into the sum's trial, without their forces; a physics without means. */
+/* State of the points at displacements u, into the sum's trial, without their forces; for a physics without means. */
 PetscErrorCode MpmPointsUpdate(const MpmSum *sum, const PetscReal u[], PetscInt *failed);

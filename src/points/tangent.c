@@ -7,7 +7,7 @@
 #include "points/point_tangent.h"
 #include "points/point_terms.h"
 
-/* to = sum_k factor_k row_k, added to what is there or in its place; the compiler must not unroll what it can vectorise */
+/* to (+)= sum_k factor_k row_k; the compiler must not unroll loops that it can vectorise */
 MPM_INLINE void RowSum(PetscInt length, PetscInt count, const PetscReal factor[], const PetscReal *const row[],
                        PetscBool add, PetscReal *restrict to)
 {
@@ -72,7 +72,8 @@ MPM_INLINE void AddElement(const MpmKnown known, const MpmLayout *layout, const 
 }
 
 /*
-  The same for Biot's fields, without the products that are zero (MPM_PHYSICS_BIOT). p and its gradient are the inputs P to P + dim.
+  AddPoint() for Biot's fields, without the products that are zero (MPM_PHYSICS_BIOT). p and its gradient are the inputs
+  P to P + dim.
 */
 MPM_INLINE void AddBiot(const MpmKnown known, const MpmBasis *basis, const PetscReal D[], PetscReal rows[],
                         PetscReal element[])

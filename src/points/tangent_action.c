@@ -198,7 +198,7 @@ MPM_INLINE void ChangeByTangent(const PetscInt N, const MpmTangent *tangent, con
   for (PetscInt k = 0; k < N; k++) dflux[N] += tangent->of_mean[k] * dinput[k];
 }
 
-/* The same without a tangent; f: what the mean's flux has for this point. */
+/* The change without a tangent; f: flux of the mean at this point. */
 static int ChangeByKernel(const MpmAction *action, PetscReal f, const MpmCellPoint *at)
 {
   const MpmLayout *layout = action->sum->layout;

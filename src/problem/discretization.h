@@ -7,8 +7,8 @@
 #include "talus/point/tables.h"
 
 /*
-  The discrete problem of a step: the points as they are lent to it, its space, what is prescribed, and what the sums over
-  points work with. Arrays of nodal values are those of the local nodes, along the axes.
+  The discrete problem of a step: the points as lent to it, its space, prescribed values, and data of the sums over
+  points. Arrays of nodal values are those of the local nodes, along the axes.
 */
 typedef struct MpmDiscretization {
   MPI_Comm         comm;
@@ -33,26 +33,28 @@ typedef struct MpmDiscretization {
   PetscReal       *u, *residual, *force;
   PetscReal       *deviation_n; /* of the points; sum->deviation_n */
   PetscReal       *reaction;    /* per condition or, behind them, motion, and component of the block */
-  PetscBool        committed;   /* do these three tell of the last step that has become the state? */
+  PetscBool        committed;   /* these three belong to the last committed step */
   PetscReal        diagonal;    /* of prescribed unknowns: a typical stiffness */
   PetscReal        ghost;       /* factor of the ghost penalty, 0: none */
   PetscInt         parts;       /* of the material, with nodes of their own; 1: all bodies share them */
 } MpmDiscretization;
 
 /*
-  Create makes the parts, empty; grid and layout are borrowed. Size takes over what they hold. SetUp, after it, makes what
-  stays from step to step; materials, boundaries and the places of free ones are borrowed.
+  Create makes the members, empty; grid and layout are borrowed. Size takes over their contents. SetUp, after it, makes
+  data that stay from step to step; materials, boundaries and the places of free ones are borrowed.
 */
 PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *layout, MpmDiscretization *disc);
 PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc);
 PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterials *materials,
                                       const MpmBoundaries *boundaries, const MpmBodies *bodies, const MpmPairs *pairs,
                                       MpmPlacement *placements, PetscInt state_size);
-/* Surfaces, what acts of them, by surface, and the physics' kernel without means over cells are borrowed. After SetUp. */
+/* Surfaces, their active loads, by surface, and the physics' kernel without means over cells are borrowed. After
+   SetUp. */
 PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBodySurfaces *surfaces,
                                             MpmLoadActing *acting, const MpmKernelSet *kernel);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
-/* Numbers of local and owned nodes, and of those of all ranks; is one a node of the grid, not one of a body's or of another unknown's own? */
+/* Numbers of local and owned nodes, and of those of all ranks; true for a node of the grid, false for one of a body's
+   or of another unknown's own. */
 PetscInt  MpmNodesLocal(const MpmDiscretization *disc);
 PetscInt  MpmNodesOwned(const MpmDiscretization *disc);
 PetscInt  MpmNodesTotal(const MpmDiscretization *disc);

@@ -1,14 +1,16 @@
 /*
-  The potential of a step: where every material has a stored energy, and nothing acts that has none, an implicit step is a minimisation,
+  The potential of a step: where every material has a stored energy, and nothing acts that has none, an implicit step is
+  a minimisation,
 
     Pi(u) = part sum_p V_p psi(F_p(u)) + 1/2 u . (r(u) + r(0)) - f . u ,     d Pi / d u = the residual
 
-  with V_p the points' initial volumes, `part` what of their forces is the step's end's (generalised-alpha method), r the terms that are
-  linear in u with a symmetric matrix, the ghost penalty and inertia, and f the loads, which are constant in a step. With
-  inertia alone that is (u - u*) . M (u - u*)/(2 beta dt^2), but for a constant.
+  with V_p the points' initial volumes, `part` the weight of the step's end in their forces (generalised-alpha method),
+  r the terms that are linear in u with a symmetric matrix, the ghost penalty and inertia, and f the loads, which are
+  constant in a step. With inertia alone that is (u - u*) . M (u - u*)/(2 beta dt^2), but for a constant.
 
-  Sources: Ortiz, Stainier (1999), Comput. Meth. Appl. Mech. Eng. 171, 419-444, doi:10.1016/S0045-7825(98)00219-9; Gast, Schroeder, Stomakhin,
-  Jiang, Teran (2015), IEEE Trans. Vis. Comput. Graph. 21, 1103-1115, doi:10.1109/TVCG.2015.2459687 (implicit steps as minimisations).
+  Sources: Ortiz, Stainier (1999), Comput. Meth. Appl. Mech. Eng. 171, 419-444, doi:10.1016/S0045-7825(98)00219-9; Gast,
+  Schroeder, Stomakhin, Jiang, Teran (2015), IEEE Trans. Vis. Comput. Graph. 21, 1103-1115,
+  doi:10.1109/TVCG.2015.2459687 (implicit steps as minimisations).
 */
 #include "point/layout.h"
 #include "point/stored_energy.h"
@@ -21,7 +23,7 @@
 #include "problem/discretization.h"
 #include "problem/potential.h"
 
-/* Is the law's stress the derivative of an energy that is known, whatever went before? */
+/* True where the law's stress is the derivative of a known energy, whatever its history. */
 static PetscBool HasPotential(const MpmMaterial *material)
 {
   const unsigned never = MPM_LAW_PLASTIC | MPM_LAW_VISCOUS | MPM_LAW_LAGGED | MPM_LAW_INTERNAL;
@@ -40,7 +42,7 @@ PetscBool MpmPotentialExists(const MpmDiscretization *disc)
                      !disc->layout->means && disc->parts == 1);
 }
 
-/* What the points of this rank store, in the trial. */
+/* Energy stored in the points of this rank, in the trial. */
 MPM_INLINE PetscReal Stored(const PetscInt dim, const MpmDiscretization *disc)
 {
   const MpmSum *sum   = disc->sum;

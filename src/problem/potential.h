@@ -5,11 +5,12 @@
 #include "base/base.h"
 #include "base/types.h"
 
-/* Has the discrete problem one, as it has been set up? Laws, physics and terms decide; not what the scene's stages add to the terms. */
+/* True where the discrete problem has a potential, as set up: by laws, physics and terms, without later additions of
+   stages. */
 PetscBool MpmPotentialExists(const MpmDiscretization *disc);
 /*
-  At the displacement disc->u of all local nodes, ghosts included: its value, J, and the sum of the sizes of its parts, which tells its
-  rounding; the trial becomes that of u. `failed` as for MpmTermsResidual(), summed over all ranks; value and size then mean nothing.
-  Collective.
+  At the displacement disc->u of all local nodes, ghosts included: its value, J, and the sum of the magnitudes of its
+  terms, a measure of its rounding; the trial becomes that of u. `failed` as for MpmTermsResidual(), summed over all
+  ranks; value and size are then meaningless. Collective.
 */
 PetscErrorCode MpmPotentialEvaluate(MpmDiscretization *disc, PetscReal *value, PetscReal *size, PetscInt *failed);

@@ -1,18 +1,18 @@
 /*
   Cuts through the material.
 
-  What the material transmits across a plane is what its internal forces do against the rigid motion of one side,
+  The forces transmitted across a plane are the work of the internal forces in the rigid motion of one side,
 
     F = sum_i s_i f_i ,   M = sum_i s_i (y_i - c) x f_i ,   f_i = sum_p V_p sigma_p grad phi_i ,   y_i = x_i + u_i
 
-  with s_i a ramp across the plane, from 0 to 1 over the width of a cell: the mean over all parallel planes in that width.
-  With the step's own fluxes and shape functions the sum is in equilibrium with loads and reactions beyond, to
-  Newton's tolerance; where no force acts within the width, it does not depend on where the points stand. Where the balance
-  takes a part of the points' forces from the step's start (generalised alpha), so does the sum.
+  with s_i a ramp across the plane, from 0 to 1 over the width of a cell: the mean over all parallel planes in that
+  width. With the step's own fluxes and shape functions the sum is in equilibrium with loads and reactions beyond, to
+  Newton's tolerance. Where no force acts within the width, it does not depend on the points' places. Where the balance
+  takes a fraction of the points' forces from the step's start (generalised alpha), so does the sum.
 
-  Small-cut nodes have no balance of their own: forces there belong to the nodes they follow (space/extension.h), and the
-  motion is extended likewise, component by component: in place of s_i and s_i (y_i - c) stand sum_k e_ik s_k and
-  sum_k e_ik s_k (y_k - c).
+  Small-cut nodes have no balance of their own: forces there belong to the nodes they follow (space/extension.h), and
+  the motion is extended likewise, component by component: s_i and s_i (y_i - c) become sum_k e_ik s_k and sum_k e_ik
+  s_k (y_k - c).
 
   The ramp stays within the material: a plane nearer to its end than half the width is moved there, and further where
   the nodes of the end follow: all that these follow lie beyond the ramp.
@@ -56,13 +56,13 @@ PetscErrorCode MpmSectionSelect(MpmSection *section, const MpmBodies *bodies, Mp
 
 /* ---- planes ---- */
 
-/* The ramp of one cut: s = (d - lower)/(upper - lower), between 0 and 1, at a distance d from the section's first place. */
+/* Ramp of one cut: s = (d - lower)/(upper - lower), between 0 and 1, at a distance d from the section's first place. */
 typedef struct {
   PetscReal lower, upper; /* equal: the cut meets no material */
   PetscReal origin[MPM_MAX_DIM];
 } Ramp;
 
-/* What is summed over the points: force, moment about the ramp's origin, area, and area times place from there. */
+/* Sums over the points: force, moment about the ramp's origin, area, and area times place from there. */
 enum { SUM_FORCE = 0, SUM_MOMENT = MPM_MAX_DIM, SUM_AREA = 2 * MPM_MAX_DIM, SUM_PLACE, SUMS = SUM_PLACE + MPM_MAX_DIM };
 
 /* One section under way. */
@@ -73,12 +73,12 @@ typedef struct {
   PetscReal        *sums;
 } Plane;
 
-/* All of them, with places of the local nodes at the step's end, and room for one group: its nodes' forces, and the ramp. */
+/* All cuts, with places of the local nodes at the step's end, and room for one group: nodal forces, and the ramp. */
 typedef struct {
   const MpmSum         *sum;
   const MpmConstraints *constraints;
   const PetscReal      *u, *by; /* displacements that say where nodes go, and by which points have their fluxes */
-  PetscBool             areas;  /* they are summed with the forces */
+  PetscBool             areas;  /* areas are summed with the forces */
   PetscInt              count;
   Plane                *planes;
   PetscReal            *place, *ramp, *force, *storage;
@@ -296,13 +296,13 @@ static PetscErrorCode PlaceRamps(Pass *pass, Plane *plane)
 
 /* ---- sums ---- */
 
-/* Does the ramp rise somewhere between the nodes? */
+/* True where the ramp rises somewhere between the nodes. */
 static PetscBool Crosses(const Ramp *ramp, const PetscReal range[2])
 {
   return (PetscBool)(ramp->upper > ramp->lower && range[0] < ramp->upper && range[1] > ramp->lower);
 }
 
-/* What the motion of one side does against component c of a node's force: s, and s (y - c). */
+/* Motion of one side at component c of a node's force: s, and s (y - c). */
 typedef struct {
   PetscReal value, arm[MPM_MAX_DIM];
 } Motion;
@@ -353,7 +353,8 @@ static void AddComponent(PetscInt dim, const Motion *motion, PetscInt c, PetscRe
   AddMoment(dim, motion->arm, origin, f, &sums[SUM_MOMENT]);
 }
 
-/* The part of one point in the area, int n . grad s dv = V_n n . cof(dF) grad s, with s by component, and that times its place. */
+/* Contribution of one point to the area, int n . grad s dv = V_n n . cof(dF) grad s, with s by component, and that
+   times its place. */
 static void AddArea(const Pass *pass, const MpmSection *section, const Ramp *ramp, const MpmGroup *group, PetscInt p,
                     PetscReal sums[])
 {
@@ -562,8 +563,8 @@ static void AddNodes(const Pass *pass, Plane *plane, const PetscReal force[], co
 }
 
 /*
-  The ghost penalty carries forces over the edges of cells, too, which belong to the internal ones; where only some of the
-  points are cut, those at a node are theirs by their share of its volume.
+  The ghost penalty carries forces over the edges of cells, too, which are internal forces; where only some of the
+  points are cut, these have a share by their fraction of the node's volume.
 */
 static PetscErrorCode AddGhostPenalty(Pass *pass)
 {
@@ -589,7 +590,7 @@ static PetscErrorCode AddGhostPenalty(Pass *pass)
 
 /* ---- results ---- */
 
-/* What has been summed, along the section's axes. */
+/* Results of the sums, along the section's axes. */
 static void Settle(PetscInt dim, const MpmSection *section, const Ramp *ramp, const PetscReal sums[], MpmCut *cut)
 {
   PetscReal moment[MPM_MAX_DIM] = {sums[SUM_MOMENT], sums[SUM_MOMENT + 1], sums[SUM_MOMENT + 2]}, f[MPM_MAX_DIM],

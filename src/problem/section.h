@@ -6,7 +6,7 @@
 #include "base/types.h"
 
 /*
-  What one cut transmits: what the material on the side to which the normal points does to the other one. Forces in N,
+  Forces in one cut: those of the material on the side to which the normal points, acting on the other one. Forces in N,
   moments in N m, per metre of thickness in 2D.
 */
 typedef struct {
@@ -34,15 +34,15 @@ typedef struct MpmSections {
   PetscInt    count;
   char      **names;
   MpmSection *at;
-  PetscBool   made; /* do the cuts tell of a step? */
+  PetscBool   made; /* the cuts belong to a step */
 } MpmSections;
 
 PetscErrorCode MpmSectionDestroy(MpmSection *section);
 /* Finds the points that are cut, in the initial state; the bodies' points have been made. */
 PetscErrorCode MpmSectionSelect(MpmSection *section, const MpmBodies *bodies, MpmParticles *particles);
 /*
-  All cuts at the step's end, from the displacement u at the local nodes; before the step becomes the state. `constraints` are
-  read where there are nodes that follow others.
+  All cuts at the step's end, from the displacement u at the local nodes; before the step becomes the state.
+  `constraints` are read where there are nodes that follow others.
 */
 PetscErrorCode MpmSectionsEvaluate(MpmSections *sections, const MpmConstraints *constraints, const MpmSum *sum,
                                    const PetscReal u[], MpmParticles *particles);

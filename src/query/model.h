@@ -11,7 +11,7 @@
 #include "query/scene.h"
 #include "query/state.h"
 
-/* What the caller of the library has set, and how the run stands. */
+/* Settings of the library's caller, and the status of the run. */
 typedef struct {
   MpmStepHook before, after;
   void       *before_ctx, *after_ctx;
@@ -32,8 +32,8 @@ typedef struct {
 } MpmProblem;
 
 /*
-  The model's problem, which its steps solve, and another one change places. Either is created, worked with and destroyed in
-  the model, whose addresses its parts refer to.
+  The model's problem, which its steps solve, and another one change places. Either is created, worked with and
+  destroyed in the model, whose addresses its parts refer to.
 */
 void MpmModelExchange(MpmModel model, MpmProblem *problem);
 

@@ -107,10 +107,11 @@ PetscBool MpmRemovalGoesOn(const MpmModel model)
 }
 
 /*
-  With z = w dt of a lumped mode and q in [0, 1], what is left of its velocity after a way to the points and back, a step is
+  With z = w dt of a lumped mode and q in [0, 1] the fraction of its velocity kept by the node-point-node transfer, a
+  step is
 
     musl  s += z v',  v' = v - q z s       z^2 q < 4
-    usf   the same in the other order      z^2 q < 4
+    usf   musl in the other order          z^2 q < 4
     usl   s += z (v - z s),  v' as above   z^2 (2 - q) < 4
 
   and w < 2/crossing: hence the factor sqrt(1/2) of usl, whose finest modes have q near 0.
@@ -148,7 +149,7 @@ PetscBool MpmSceneIsSymmetric(MpmModel model)
 
   if (!physics->symmetric) return (PetscBool)((physics->traits & MPM_PHYSICS_SYMMETRIC) != 0);
   for (PetscInt l = 0; l < model->scene.loads->count && physics->taken_up; l++)
-    if (model->scene.loads->at[l].type == MPM_LOAD_GRAVITY) return PETSC_FALSE; /* what points take up has weight */
+    if (model->scene.loads->at[l].type == MPM_LOAD_GRAVITY) return PETSC_FALSE; /* water taken up has weight */
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
     const MpmMaterial       *material = &model->scene.materials->at[m];
     const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, NULL, model->disc.dim);

@@ -7,23 +7,23 @@
 #include "talus/talus.h"
 #include "query/scene.h"
 
-/* Does any stage change what a point weighs per stress-free volume? */
+/* True where any stage changes a point's weight per stress-free volume. */
 PetscBool MpmStagesKeepMass(const MpmModel model);
 PetscBool MpmStagesAreGeostatic(const MpmModel model);
-/* Does any stage reduce strengths, relax, control the error in time of its steps, or end at a degree of consolidation?
-   */
+/* True where any stage reduces strengths; relaxes; controls the error in time of its steps; ends at a degree of
+   consolidation. */
 PetscBool MpmStagesReduce(const MpmModel model);
 PetscBool MpmStagesRelax(const MpmModel model);
 PetscBool MpmStagesControlError(const MpmModel model);
 PetscBool MpmStagesConsolidate(const MpmModel model);
-/* May steps of the stage settle (schedule/settle.h)? */
+/* True where steps of the stage may settle (schedule/settle.h). */
 PetscBool MpmStageSettles(const MpmStage *stage);
 /* Of the stage under way. */
 const MpmMotionControl *MpmModelMotion(const MpmModel model);
-/* Is what is under way a relaxation? Does it raise the masses of nodes, so that a long step is stable? */
+/* True where a relaxation is under way; where it raises the masses of nodes, so that a long step is stable. */
 PetscBool MpmModelRelaxes(const MpmModel model);
 PetscBool MpmModelScales(const MpmModel model);
-/* Does a body go by a ramp? */
+/* True where a body is removed by a ramp. */
 PetscBool MpmRemovalGoesOn(const MpmModel model);
 /* Does the stage under way reduce, without a factor of safety so far; and the reduction at a time, 1 where none is. */
 PetscBool MpmReductionSeeks(const MpmModel model);
@@ -36,5 +36,5 @@ PetscReal MpmModelSurfacePressure(const MpmModel model, PetscInt surface, PetscR
 PetscReal MpmExplicitPart(const MpmMotionControl *motion);
 /* The stage under way ends at the present time. */
 void MpmStageEndHere(MpmModel model);
-/* Is the Jacobian symmetric, as far as the physics knows? Once materials, loads and surfaces are read. */
+/* True where the Jacobian is symmetric, as far as the physics knows. Once materials, loads and surfaces are read. */
 PetscBool MpmSceneIsSymmetric(MpmModel model);

@@ -21,7 +21,7 @@ typedef enum {
 /* When explicit steps update the stress (explicit.c). */
 typedef enum { MPM_UPDATE_MUSL, MPM_UPDATE_USL, MPM_UPDATE_USF } MpmStressUpdate;
 
-/* What takes motion from the material (damping.c). */
+/* Damping of the material (damping.c). */
 typedef struct {
   PetscReal mass, stiffness;   /* Rayleigh's, 1/s and s */
   PetscReal linear, quadratic; /* coefficients of the bulk viscosity */
@@ -90,7 +90,7 @@ typedef struct {
 typedef struct MpmStage {
   char          *name;
   MpmTimeControl time;
-  PetscBool     *bcs, *motions, *loads, *surfaces; /* by the model's lists: does it act? */
+  PetscBool     *bcs, *motions, *loads, *surfaces; /* by the model's lists: true where active */
   PetscBool     *removed, *adds;                   /* by the model's bodies */
   MpmRamp        removal;                          /* of what is removed, over the stage's time; NULL: at once */
   PetscInt      *material;                         /* by the model's bodies: of its points from here on, or -1 */
@@ -105,15 +105,16 @@ typedef struct MpmStage {
 
 typedef enum { MPM_FOLLOW_NOTHING, MPM_FOLLOW_MOTION, MPM_FOLLOW_BOUNDARY, MPM_FOLLOW_BODY } MpmFollowed;
 
-/* What the grid follows, and how (moving_grid.c). */
+/* Object that the grid follows, and mode (moving_grid.c). */
 typedef struct {
   MpmFollowed what;
   PetscInt    index;             /* into the scene's list of its kind */
-  PetscBool   axis[MPM_MAX_DIM]; /* does the grid move along it? */
+  PetscBool   axis[MPM_MAX_DIM]; /* the grid moves along it */
   PetscBool   stretch; /* one side stays, and the cells change their size; otherwise the grid moves as a whole */
   PetscInt    fixed[MPM_MAX_DIM]; /* the side that stays: -1 lower, 1 upper, 0: the further one at the start */
   PetscBool   has_at;
-  PetscReal   at[MPM_MAX_DIM]; /* what moves with the followed, in the grid as it was read; by default the other side */
+  PetscReal   at
+    [MPM_MAX_DIM]; /* plane that moves with the followed object, in the grid as it was read; default: the other side */
 } MpmFollow;
 
 /* Choices against cuts, locking and points drawn apart (stabilization.c). */
@@ -126,14 +127,14 @@ typedef struct {
   PetscBool divide_auto;
   PetscBool fbar, fbar_auto;
   PetscBool fbar_plain; /* F-bar averages dilation by shear, too */
-  const char *fbar_why; /* what `auto` went by, or NULL */
+  const char *fbar_why; /* reason of the choice of `auto`, or NULL */
 } MpmStabilization;
 
-/* What was read: constant from then on. */
+/* The scene as read: constant from then on. */
 typedef struct {
   char            *title, *prefix;
   MpmPhysics       physics;
-  MpmPhysics       plain; /* that of which `physics` has taken the place for F-bar, where surfaces need it */
+  MpmPhysics       plain; /* physics that `physics` has replaced for F-bar, where surfaces need it */
   MpmStretch       stretch;
   MpmShapeType     shape;
   MpmEdgeType      edge;

@@ -1,7 +1,7 @@
 #pragma once
 /*
-  The state of a run: how far it has come, with all that a checkpoint holds. Parts register the rows of their numbers with it
-  (base/rows.h), in their own files.
+  The state of a run: its progress, with all that a checkpoint holds. Parts of the program register the rows of their
+  numbers with it (base/rows.h), in their own files.
 */
 #include "base/base.h"
 #include "base/rows.h"
@@ -49,12 +49,12 @@ typedef struct {
 typedef struct {
   PetscReal  force, energy; /* out of balance over the loads; kinetic over their work */
   PetscReal  kinetic, work; /* J; of the points after the last step, and of the loads since the stage began */
-  PetscReal  first;         /* s, the run's time when the criteria held first; -1: they have not */
-  PetscReal  since;         /* s, the run's time since when they have held without a break; -1: they do not */
+  PetscReal  first;         /* s, the run's time when both criteria were met first; -1: never */
+  PetscReal  since;         /* s, the run's time since when they are met without a break; -1: they are not */
   PetscReal  reset;         /* s, the run's time when velocities last became zero */
   PetscReal  quarter;       /* s, of the first motion from rest to the peak of its energy; 0: not known yet */
   PetscInt   resets;        /* of all velocities to zero */
-  PetscBool  rests;         /* the criteria have held for long enough */
+  PetscBool  rests;         /* the criteria have been met for long enough */
   PetscReal *ended;         /* by stage: when it ended, where that was before its time was over; otherwise negative */
 } MpmRelaxing;
 
@@ -66,7 +66,7 @@ typedef struct {
     ramp;         /* s, of the motion: how long it has taken, and in what time loads and supports get to their ends */
   PetscReal work; /* J, that everything had done from outside as it began */
   PetscReal first, since; /* of the last stage that was a relaxation */
-  PetscInt  steps;        /* so far */
+  PetscInt  steps;        /* number so far */
   PetscInt  count;        /* of rescues that have come to rest */
 } MpmRescuing;
 
@@ -74,17 +74,17 @@ typedef struct {
 typedef struct {
   PetscBool on, needed;    /* in the step under way; in one of the stage so far */
   PetscReal tau;           /* s, of the next such step; 0: as a wave crosses the material */
-  PetscInt  steps, newton; /* so far; iterations of the last one */
+  PetscInt  steps, newton; /* number so far; iterations of the last one */
 } MpmSettling;
 
 /* How far the grid has moved with what it follows. */
 typedef struct {
-  PetscBool known;              /* what it follows has been there; */
+  PetscBool known;              /* the followed object has been there */
   PetscReal start[MPM_MAX_DIM]; /* here then */
   PetscReal moved[MPM_MAX_DIM]; /* m, since then, at the step's start */
 } MpmGridMotion;
 
-/* What is left to try where steps fail again and again. */
+/* Remaining remedies where steps fail again and again. */
 typedef struct {
   PetscBool dilation; /* F-bar leaves dilation to the points: it may average that, too */
   PetscInt  averaged; /* steps that did so alone */
@@ -97,7 +97,7 @@ typedef struct {
 
 /* The account of energy, J, in scenes with a dynamic stage (energy.c); sums over all ranks since the start. */
 typedef struct {
-  PetscBool known;      /* it has begun */
+  PetscBool known;      /* the relaxation has begun */
   PetscReal internal;   /* work of the points' stresses */
   PetscReal external;   /* work of loads, of prescribed motions and of boundaries that move */
   PetscReal dissipated; /* by contact and by damping */
@@ -116,30 +116,30 @@ typedef struct {
 /* How a step is taken, and how large its error in time is (sdirk.c, time_error.c). */
 typedef struct {
   const MpmIntegrator *integrator;
-  MpmDynamics         *dynamics;  /* velocities at the nodes; NULL before the first dynamic step */
-  MpmSdirk            *sdirk;     /* what the integrator of two stages keeps of the first; NULL before its first step */
-  PetscReal            error;     /* largest that is accepted, relative; 0: any */
-  PetscReal            estimate;  /* of the last step that has converged */
-  PetscReal  refused, refused_dt; /* that of the same step's last trial, where it was too large, and its length; or 0 */
-  PetscBool  met;                 /* contact has been near since the stage began, see dynamics.c */
-  PetscReal  load_at_start;       /* what of a step's loads is its start's, by the generalised-alpha method */
-  PetscReal  behind;              /* s, how far the points' velocities are behind their places: explicit steps */
-  PetscBool  water_held;          /* the pressure of the water is not solved for: geostatic stages */
-  MpmEnergy  energy;
-  MpmSlide   slide;
-  MpmFading *fading;   /* per body: whether it is being taken away */
-  MpmParked *parked;   /* per body: points that a later stage adds */
-  PetscBool  put_back; /* the points were put back after the last step, which kept their stress (geostatic.c) */
+  MpmDynamics         *dynamics;   /* velocities at the nodes; NULL before the first dynamic step */
+  MpmSdirk            *sdirk;      /* the first sub-step of `second`; NULL before its first step */
+  PetscReal            error;      /* largest that is accepted, relative; 0: any */
+  PetscReal            estimate;   /* of the last step that has converged */
+  PetscReal   refused, refused_dt; /* error of a step's last trial, where it was too large, and its length; or 0 */
+  PetscBool   met;                 /* contact has been near since the stage began, see dynamics.c */
+  PetscReal   load_at_start;       /* fraction of a step's loads that is its start's, by the generalised-alpha method */
+  PetscReal   behind;              /* s, how far the points' velocities are behind their places: explicit steps */
+  PetscBool   water_held;          /* the pressure of the water is not solved for: geostatic stages */
+  MpmEnergy   energy;
+  MpmSlide    slide;
+  MpmFading  *fading;   /* per body: whether it is being taken away */
+  MpmParked  *parked;   /* per body: points that a later stage adds */
+  PetscBool   put_back; /* the points were restored after the last step, which kept their stress (geostatic.c) */
   MpmRescuing rescuing;
   MpmSettling settling;
   PetscReal   order;   /* the power of a step's length that the estimate goes with */
-  PetscReal   trial;   /* what `largest` will be, should the step be accepted */
-  PetscReal   largest; /* what errors are relative to: the largest change since the stage's start */
+  PetscReal   trial;   /* `largest` if the step is accepted */
+  PetscReal   largest; /* reference of errors: the largest change since the stage's start */
   MpmWaterRun water;
-  PetscReal   load_scale; /* what a geostatic stage applies of its loads; otherwise 1 */
+  PetscReal   load_scale; /* fraction of its loads that a geostatic stage applies; otherwise 1 */
 } MpmScheme;
 
-/* What moves on: points, time, and how steps go. */
+/* Variables of a run: points, time, and control of steps. */
 typedef struct {
   MpmRows       *rows; /* of the numbers that a checkpoint holds besides the points */
   MpmScheme      scheme;
@@ -154,7 +154,7 @@ typedef struct {
   PetscInt       stage;      /* the one under way */
   MpmActing     *bcs;        /* by the scene's lists: what acts in the stage under way; motions behind conditions */
   MpmLoadActing *loads;      /* surfaces behind loads */
-  MpmWalls       walls;      /* that follow from it */
+  MpmWalls       walls;      /* walls of the grid */
   PetscReal      time_start; /* of the stage under way; time_end is its end */
   PetscReal      run_end;
   PetscBool      reference_output; /* position0 goes into the next state that is written */
@@ -178,7 +178,7 @@ PetscErrorCode MpmStateDestroy(MpmState *state);
 /* The numbers for a checkpoint, and those of one whose names begin so into the state. */
 PetscErrorCode MpmStateSave(const MpmState *state, MpmRowValues *values);
 PetscErrorCode MpmStateLoad(MpmState *state, const MpmRowValues *values, const char begin[]);
-/* Copy, and the state of a copy again, while no arrays of the points are lent; Forget frees a copy that is not needed. */
+/* Copy, and return to a copy, while no arrays of the points are lent; Forget frees an unneeded copy. */
 PetscErrorCode MpmStateCopy(const MpmState *state, MpmStateKept *kept);
 PetscErrorCode MpmStateReturn(MpmState *state, MpmStateKept *kept);
 PetscErrorCode MpmStateForget(MpmStateKept *kept);

@@ -18,12 +18,12 @@ typedef struct {
   PetscInt  side;   /* 0, or of a flat face, which counts in this step, the axis and sense of its normal at rest */
   PetscReal area;   /* projected on the boundary, m^(dim-1) */
   PetscInt  single; /* a patch by itself: an edge of the boundary is near (edge_facets.c) */
-  PetscBool askew;  /* it looks past the boundary, and hardly counts */
+  PetscBool askew;  /* nearly perpendicular to the boundary; its area is faded out */
   PetscInt  slice;  /* 0, or 1 + its index, of a slice of a face that meets an edge */
   PetscInt  piece;  /* 0, or 1 + its index, of a facet of a piece of the surface that is spread over nodes, */
   PetscReal
     portion; /* and of its area that is this facet's; of round and single ones, of that of its point's which touch */
-  PetscInt  round;   /* it stands on the round surface that cut its body's lattice (round_facets.c) */
+  PetscInt  round;   /* on the round surface that cut its body's lattice (round_facets.c) */
   PetscReal touches; /* distance at which it touches, m: not 0 where the lattice of points was cut by the surface */
   PetscReal arm[MPM_MAX_DIM], turn; /* round: from the surface's centre; what turning adds to its distance (Turn), m */
 } MpmFacet;

@@ -1,6 +1,7 @@
 #pragma once
 /*
-  Rigid surfaces that hold the material by a penalty (rigid_surface.c), and their contacts with the points (rigid_contact.c).
+  Rigid surfaces in contact with the material by a penalty (rigid_surface.c), and their contacts with the points
+  (rigid_contact.c).
 */
 #include "base/base.h"
 #include "base/types.h"

@@ -1,11 +1,13 @@
 /*
-  What is read of a boundary whose place is solved for.
+  Options of a boundary whose place is solved for.
 
-    free       components of its motion that are solved for: x, y, z, rx, ry, rz (2D: x, y, rz); the others follow `motion`
+    free       components of its motion that are solved for: x, y, z, rx, ry, rz (2D: x, y, rz); the others follow
+               `motion`
     load       force on it, N (2D: per metre), times load_ramp
     moment     about its reference point, N m (2D: one number), times load_ramp
     mass       kg (2D: per metre): its weight where gravity acts, and its inertia in implicit dynamics
-    inertia    its moment of inertia, kg m2, about any axis (2D: z, per metre); the reference point is its centre of mass
+    inertia    its moment of inertia, kg m2, about any axis (2D: z, per metre); the reference point is its centre of
+               mass
     velocity   as the scene begins, m/s
 */
 #include "options/options.h"
@@ -80,7 +82,7 @@ static PetscErrorCode CheckPush(const MpmOptions *block, const char *option, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What is solved for follows no motion. */
+/* Refuses a motion of a component that is solved for. */
 static PetscErrorCode CheckMotion(const MpmOptions *block, const MpmBoundary *boundary, const MpmFreedom *freedom)
 {
   const MpmMotion *motion = &boundary->motion;

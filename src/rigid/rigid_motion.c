@@ -1,16 +1,16 @@
 /*
-  How a rigid body moves, and what its contacts do to it.
+  Motion of a rigid body, and the action of its contacts.
 
   A body's place is its prescribed motion P, followed by a placement x -> c + d + Q (x - c) about its reference point c.
-  The step's unknowns are t, added to d, and Rodrigues' parameters r (w = 2 r L, L the body's size; |w| is about the angle
-  times L), which multiply Q by
+  The step's unknowns are t, added to d, and Rodrigues' parameters r (w = 2 r L, L the body's size; |w| is about the
+  angle times L), which multiply Q by
 
     R = I + s ([r] + [r]^2) ,  s = 2/(1 + r.r) ,   dR R^T = [dphi] ,  dphi = s (dr + r x dr)
 
   from the left: the quaternion (1, r) made of length 1, without a trigonometric function. [r] is the matrix of r x.
 
-  Seen from the body, a contact is one with a boundary of prescribed motion. With Y the arm of its face from the reference
-  point at the step's start, and v = u - dc - t its motion relative to that point (dc: the prescribed one's),
+  In the body's frame, a contact is one with a boundary of prescribed motion. With Y the arm of its face from the
+  reference point at the step's start, and v = u - dc - t its motion relative to that point (dc: the prescribed one's),
 
     u' = dc + Q^T (R^T v + (R^T - I) Y)
 
@@ -20,7 +20,8 @@
     dxi = du - dt - dphi x y ,   df = dphi x f - K dxi ,
     residuals:  -f at the nodes,  f for t,  T^T (y x f) for w ,   T^T m = s (m - r x m)/(2 L) .
 
-  Where one of three rotations is held, its moment would get into the rows of the other two by r x m: there, s m/(2 L) is balanced.
+  Where one of three rotations is fixed, its moment would get into the rows of the other two by r x m: there, s m/(2 L)
+  is balanced.
 */
 #include "base/rows.h"
 #include "rigid/rigid_motion.h"

@@ -9,7 +9,7 @@
 #include "rigid/facet.h"
 #include "rigid/rigid.h"
 
-/* What is solved for, and what pushes; about the reference point. */
+/* Unknowns and loads of a body; about the reference point. */
 typedef struct MpmFreedom {
   PetscInt  free[2];                                /* a bit for each axis: translations, rotations */
   PetscReal load[MPM_MAX_DIM], moment[MPM_MAX_DIM]; /* N and N m (2D: per metre; z), times ramp */
@@ -53,8 +53,8 @@ typedef struct {
   PetscReal force[MPM_MAX_DIM], stiffness[MPM_MAX_DIM][MPM_MAX_DIM];
 } MpmFacetLaw;
 
-/* What a facet does to the nodes (0), the body's translation (1) and its rotation (2): residuals and their derivatives.
-   */
+/* Action of a facet on the nodes (0), the body's translation (1) and its rotation (2): residuals and their
+   derivatives. */
 typedef struct {
   PetscReal residual[3][3], derivative[3][3][3][3]; /* [of][component][by][component] */
 } MpmRigidAnswer;
@@ -63,9 +63,10 @@ typedef struct {
 PetscReal      MpmBoundarySize(const MpmBoundary *boundary);
 PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *boundary, MpmFreedom **freedom);
 PetscErrorCode MpmFreedomDestroy(MpmFreedom **freedom);
-/* Has what pushes it a potential? A moment that keeps its direction has none where a body turns about several axes. */
+/* True where its loads have a potential. A moment of constant direction has none where a body turns about several
+   axes. */
 PetscBool MpmFreedomIsSymmetric(const MpmFreedom *freedom);
-/* Does it turn about two of three axes? The moment about the third is no part of their balance. */
+/* True where it turns about two of three axes. The moment about the third is then not balanced. */
 PetscBool MpmFreedomTurnsInPart(const MpmFreedom *freedom);
 
 /* ---- how they move ---- */
@@ -103,12 +104,12 @@ void MpmRigidSee(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigid
                  PetscReal seen[]);
 void MpmRigidAxes(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscReal A[3][3]);
 void MpmRigidTurn(const MpmRigidBody *body, const MpmRigidIncrement *q, MpmFacetLaw *answer);
-/* What the facet does to nodes and body; `derivative`: derivatives too. */
+/* Action of the facet on nodes and body; `derivative`: derivatives too. */
 void MpmRigidCouple(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigidIncrement *q, const PetscReal u[],
                     const MpmFacetLaw *answer, PetscBool derivative, MpmRigidAnswer *coupled);
 /*
-  How c . (displacement seen) changes with the body's translation and rotation; c along the axes, at the arm y. With
-  `rows`: what c is in their rows, which differs where some rotations are held.
+  Derivative of c . (relative displacement) by the body's translation and rotation; c along the axes, at the arm y. With
+  `rows`: c in their rows, which differs where some rotations are fixed.
 */
 void MpmRigidCovector(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal y[3], const PetscReal c[3],
                       PetscBool rows, PetscReal by[2][3]);

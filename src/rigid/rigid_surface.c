@@ -1,13 +1,14 @@
 /*
-  Boundaries that do not follow the grid: surfaces that hold the material by a penalty (rigid_contact.c). Here they are read
-  and measured.
+  Boundaries that do not follow the grid: surfaces in contact with the material by a penalty (rigid_contact.c). Here
+  their options are read, and distances measured.
 
-    type      and what goes with it: geometry/solid.c
-    contact   unilateral (default): pushes what would pass it; bilateral: holds the points that lie at it at the start
+    type      with its options: geometry/solid.c
+    contact   unilateral (default): only pushes; bilateral: also pulls the points that lie at it at the start
     friction  frictionless (default) or stick
     penalty   times Young's modulus over the smallest cell size: pressure by depth
     motion    displacement of the surface in total, times ramp; also rotation about a pivot, or a table (motion.c)
-    growth    of a sphere's or cylinder's radius in total, times ramp; what sticks to it moves straight away from its middle
+    growth    of a sphere's or cylinder's radius in total, times ramp; material that sticks moves straight away from the
+              middle
     points    a region: the points in it at the start are the contact candidates
 */
 #include "options/options.h"

@@ -2,11 +2,11 @@
   A body gets another material between stages.
 
   Strength, hardening and the like change where the law and its elasticity stay: F and history are kept, and the next
-  step's return does the rest (strength reduction). Otherwise the Cauchy stress is kept: F and history of the new law
-  that give it are searched (stress_inversion.c); history variables that both laws know by name are carried over. Volume
-  and domain stay, mass goes with the density.
+  step's return completes the change (strength reduction). Otherwise the Cauchy stress is kept: F and history of the new
+  law that give it are searched (stress_inversion.c); history variables that both laws know by name are carried over.
+  Volume and domain stay, mass goes with the density.
 
-  Beside it, what a run falls back to for all materials where steps fail.
+  Beside it, the fallback of a run for all materials where steps fail.
 */
 #include "point/material.h"
 #include "point/stress_inversion.h"

@@ -2,13 +2,13 @@
   The gap between a body that joins a stage and the ground that has settled beneath it since both were drawn.
 
   Columns of the body's lattice of points, across gravity's axis: in each the gap goes from the lower face of the body's
-  lowest point down to the highest domain beneath it. It is filled with points of the lattice's spacing s to within a half:
-  n = round(gap/s) of height gap/n, with mass by density; where n is 0 the lowest point grows by the gap. They start with
-  the history of the column's lowest point, at rest.
+  lowest point down to the highest domain beneath it. The gap is filled with points of the lattice's spacing s to within
+  a half: n = round(gap/s) of height gap/n, with mass by density; where n is 0 the lowest point grows by the gap. New
+  points start with the history of the column's lowest point, at rest.
 
-  `fill: true` fills all columns. Without `fill` those are looked at whose face was drawn on a body that is there, of the
-  same part of the material: gaps from half a row of points to a cell are filled, and beyond a cell the body is refused.
-  `fill: false` leaves the body as it was drawn.
+  `fill: true` fills all columns. Without `fill` those are looked at whose face was drawn on a body that is there, of
+  the same part of the material: gaps from half a row of points to a cell are filled, and beyond a cell the body is
+  refused. `fill: false` leaves the body as it was drawn.
 */
 #include "geometry/geometry.h"
 #include "particles/body.h"
@@ -117,7 +117,7 @@ static PetscErrorCode FindFaces(MpmModel model, PetscInt body, const MpmPoints *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Columns that no centre of a domain covers, where domains have been drawn apart, have the higher ground beside them. */
+/* Columns without a centre of a domain, where domains have been drawn apart, take the higher ground beside them. */
 static PetscErrorCode CloseHoles(Columns *columns)
 {
   PetscReal *top;
@@ -148,7 +148,7 @@ static PetscBool SamePart(const MpmModel model, PetscInt one, PetscInt other)
   return (PetscBool)(model->disc.parts == 1 || bodies->part[one] == bodies->part[other]);
 }
 
-/* Was the body drawn there on one of its part of the material that is there now? */
+/* True where the body was drawn there on a present body of its part. */
 static PetscBool WasDrawnOnGround(const MpmModel model, const Columns *columns, const PetscBool there[], PetscInt body,
                                   PetscInt c)
 {

@@ -2,15 +2,15 @@
   A geostatic stage: the state of stress in equilibrium in the very shape in which the ground was drawn.
 
   Start. `gravity`: no stress, and the loads grow in the stage's steps. `k0`: the vertical stress is the weight above
-  (overburden.c), the horizontal ones k0 times that, and the loads act in full at once (k0_balance.c); history, and F where a law
-  needs it, follow from the stress (stress_inversion.c).
+  (overburden.c), the horizontal ones k0 times that, and the loads act in full at once (k0_balance.c); history, and F
+  where a law needs it, follow from the stress (stress_inversion.c).
 
   Equilibrium. The sums over points depend on where the points stand over the grid, so that equilibrium must be found in
-  the shape that the next stage starts from: a step is solved, its stress and history are kept, and the points are put
-  back. What is then out of balance is the stress times the step's strain, so that each such step is shorter than the
-  last by about a strain, until the largest displacement is below the tolerance. Putting back leaves volume and domain
-  where they were: a law whose history holds its stress gets its old F and the Kirchhoff stress J sigma; for any other law
-  F stays that of the step, and the initial volume becomes V/det F, the initial domain that over the stretch.
+  the shape that the next stage starts from: a step is solved, its stress and history are kept, and the points are
+  returned to their places. The residual is then the stress times the step's strain, so that each such step is shorter
+  than the last by about a strain, until the largest displacement is below the tolerance. Volume and domain are restored
+  as well: a law whose history holds its stress gets its old F and the Kirchhoff stress J sigma; for any other law F
+  stays that of the step, and the initial volume becomes V/det F, the initial domain that over the stretch.
 */
 #include "point/layout.h"
 #include "point/material.h"
@@ -175,7 +175,7 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, Mpm
 
 /* ---- equilibrium ---- */
 
-/* After a failed step: is there a smaller part of the loads to try? */
+/* After a failed step: halves the fraction of the loads, `again` where a smaller one is left to try. */
 static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, const char *why, PetscBool *again)
 {
   const PetscReal duration = model->state.time_end - model->state.time_start;
@@ -193,8 +193,8 @@ static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, 
 #define COLLAPSE 0.01 /* of the first way under the full loads: what goes on by more does not stand */
 
 /*
-  Says why no equilibrium was found in as many iterations as there may be: it converges slowly, the ground collapses, or points go to and fro.
-  `first` and `half`: their ways in the first iteration and after half of them, m.
+  Reason for which no equilibrium was found in the allowed iterations: slow convergence, collapse, or oscillation of
+  points. `first` and `half`: the largest displacements in the first iteration and after half of them, m.
 */
 static void ExplainIterations(MpmModel model, const MpmRest *rest, PetscInt solved, PetscReal first, PetscReal half,
                               MpmOutcome *outcome)

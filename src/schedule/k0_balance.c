@@ -1,14 +1,14 @@
 /*
-  The stress of k0, which a geostatic stage starts from: the vertical stress is the weight above (overburden.c), the
-  horizontal ones k0 times that, which each point has for itself.
+  The stress of k0, start of a geostatic stage: the vertical stress is the weight above (overburden.c), the horizontal
+  ones k0 times that, point by point.
 
-  On level ground this is to be the geostatic stress, to rounding. But it need not be in balance over the grid: splines sum
-  it to forces that are not quite the weights, least of all where layers differ in their points a cell, and so do points
-  that leave gaps. And what a material does to balance it would spoil the ratio. So a stress is looked for that has both:
-  of all in balance, with the ratio k0 and any shear, the one nearest to that of the weight above, in the sum of volume
-  times the square of the difference. That is equilibrium of a linear law whose stress keeps the ratio whatever the strain
-  (k0_law.c): one linear solve, and others that remove what was put in to keep the matrix regular. The points do not
-  move in them. Ground that is not level has no such stress of use: there the materials find the balance.
+  On level ground this is to be the geostatic stress, to rounding. But it need not be in balance over the grid: splines
+  sum it to forces that are not quite the weights, least of all where layers differ in their points a cell, and so do
+  points that leave gaps. Balancing by the materials would change the ratio. Therefore a stress with both properties is
+  sought: of all in balance, with the ratio k0 and any shear, the one nearest to that of the weight above, in the sum of
+  volume times the square of the difference. This is the equilibrium of a linear law whose stress keeps the ratio
+  whatever the strain (k0_law.c): one linear solve, and others that remove the regularisation of the matrix. The points
+  do not move in them. Ground that is not level has no such stress of use: there the materials find the balance.
 */
 #include "point/layout.h"
 #include "point/material.h"
@@ -36,8 +36,8 @@
    much distance. */
 #define BALANCE_SHEAR    0.06
 #define BALANCE_DISTANCE 0.5
-/* The auxiliary law's modulus, in largest stresses, and the part of it that keeps the matrix regular: for a direct solver, and
-   for others, which take fewer iterations and more solves with it. */
+/* The auxiliary law's modulus, in largest stresses, and its fraction that keeps the matrix regular: for a direct
+   solver, and for others, which take fewer iterations and more solves with it. */
 #define BALANCE_MODULUS      1e3
 #define BALANCE_REGULAR      1e-8
 #define BALANCE_REGULAR_MORE 1e-4
@@ -80,8 +80,8 @@ static int SetStress(MpmModel model, const MpmInitial *initial, const MpmRest *r
 }
 
 /*
-  Gives all points their stress, `stress_size` components each; counts those that the yield surface moved, and those that
-  cannot have theirs.
+  Gives all points their stress, `stress_size` components each; counts those that the yield surface moved, and those
+  that cannot have theirs.
 */
 static PetscErrorCode SetStresses(MpmModel model, MpmRest *rest, const PetscReal goal[], PetscInt64 *without)
 {
@@ -136,7 +136,8 @@ static PetscErrorCode FindRatios(MpmModel model, const MpmPoints *points, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What presses on each point from above, less the pressure of the water where there is some: with open water's weight. */
+/* Vertical stress of each point by the weight above, less the pressure of the water where there is some: with open
+   water's weight. */
 static PetscErrorCode FindVerticalStress(MpmModel model, const MpmRest *rest, const MpmPoints *points,
                                          PetscReal pressure[])
 {
@@ -250,7 +251,7 @@ typedef struct {
   PetscReal   *history;     /* of the auxiliary law: stress and ratio */
   PetscReal   *F, *volume0;
   PetscReal    change; /* largest of the last solve, Pa */
-  PetscBool    level;  /* is it a stress of level ground? */
+  PetscBool    level;  /* stress of level ground */
 } Balance;
 
 static PetscErrorCode BalanceCreate(Balance *balance)
@@ -266,7 +267,7 @@ static PetscErrorCode BalanceCreate(Balance *balance)
     MpmMaterial *auxiliary = &balance->auxiliaries[m];
 
     *auxiliary            = model->scene.materials->at[m];
-    auxiliary->state_size = 0; /* that a step would write */
+    auxiliary->state_size = 0; /* a step would write it */
     auxiliary->table      = NULL;
     auxiliary->varies     = NULL;
     PetscCheck(MpmLawFindAll("k0_law", dim, auxiliary->law, &auxiliary->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
@@ -358,7 +359,7 @@ static PetscErrorCode TakeShape(Balance *balance)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* While the problem is in force: takes the stress that has been solved for, without the part that kept the matrix regular. */
+/* While the problem is in force: takes the solved stress, without its regularising share. */
 static PetscErrorCode TakeStress(Balance *balance)
 {
   const MpmModel model = balance->model;

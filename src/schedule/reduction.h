@@ -8,7 +8,7 @@
 
 /* Rows of the state (base/rows.h). */
 PetscErrorCode MpmReductionAddRows(MpmModel model);
-/* Once the points are there: are materials without strength more than half of the mass of a stage that reduces? */
+/* Once the points are there: refuses materials without strength beyond half of the mass of a stage that reduces. */
 PetscErrorCode MpmReductionCheck(MpmModel model);
 /*
   Strength reduction (strength_reduction.c): Begin notes where the points stand as it
@@ -21,10 +21,9 @@ PetscErrorCode MpmReductionApply(MpmModel model, PetscReal time);
 PetscErrorCode MpmModelSetOwn(MpmModel model);
 PetscErrorCode MpmReductionObserve(MpmModel model);
 /*
-  The bracket, in steps without inertia to `next`: do they raise the factor that is sought? Look: a solution
-  beyond the limit is refused. After a step that failed: is there a shorter one to try? Close: the factor
-  is known, and the stage ends in the state that stood, or goes on; or the failure of the solver has the lower
-  bound.
+  The bracket, in steps without inertia to `next`, which raise the sought factor. Look: a solution beyond the limit is
+  refused. After a failed step: a shorter one is tried where possible. Close: the factor is known, and the stage ends in
+  the state that stood, or goes on; or the failure of the solver has the lower bound.
 */
 PetscBool      MpmReductionBrackets(const MpmModel model, PetscReal next);
 PetscErrorCode MpmReductionLook(MpmModel model, PetscReal next, MpmOutcome *outcome);

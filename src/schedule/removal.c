@@ -3,15 +3,17 @@
 
     stage_dig: {remove: pit, removal: "0:0,1:1", time: {end: 1, step: 0.1}}
 
-  At the factor r a removed body has the part 1 - r of its material left: volume, mass and shares of loads of its points are this part, so
-  that stress, stiffness and weight fade together, and what the body bore passes over to what stays. In a step that ends with r = 1 its
-  points are gone. Shorter steps are thus smaller excavations; elastic ground ends where it would after removal at once.
+  At the factor r a removed body has the fraction 1 - r of its material left: of volume, mass and shares of loads of its
+  points. Stress, stiffness and weight then fade together, and the body's load passes over to the remaining ones. In a
+  step that ends with r = 1 its points are gone. Shorter steps are thus smaller excavations; elastic ground ends where
+  it would after removal at once.
 
-  The part belongs to the time of a step's end. Set() applies it when a step is tried, and again for the step's start when it is rolled back.
-  Points that are gone are parked until the step is accepted. A ramp that is longer than its stage goes on in the next one.
+  The fraction belongs to the time of a step's end. Set() applies it when a step is tried, and again for the step's
+  start when it is rolled back. Points that are gone are parked until the step is accepted. A ramp that is longer than
+  its stage goes on in the next one.
 
-  Without the option the ramp is 0:0,1:1, or to the end of a shorter stage. Geostatic stages, and those with inertia that do not ask, remove at
-  once.
+  Without the option the ramp is 0:0,1:1, or to the end of a shorter stage. Geostatic stages, and those with inertia and
+  without the option, remove at once.
 
   Order of calls: Begin() as the stage takes its bodies; then for each step Set(), and Commit() once it is accepted.
 */

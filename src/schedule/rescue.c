@@ -3,13 +3,14 @@
 
     time: {rescue: relaxation}
 
-  The integrator changes for as long as it takes: explicit steps, damped as the stage's block `relaxation` says, from the last accepted
-  state on to the end of the step as the scene wants it, dt_nominal long or what is left of that. The run's time, by which loads,
-  supports, boundaries and strengths go, gets there in the time in which a wave crosses the material four times, and then stands
-  still; the motion has a clock of its own. Once its criteria hold (relaxation.c) the points are left at rest, and quasi-static steps go on.
+  The integrator changes meanwhile: explicit steps, damped by the stage's block `relaxation`, from the last accepted
+  state to the end of the nominal step, dt_nominal long or the remainder of it. The run's time, by which loads,
+  supports, boundaries and strengths go, gets there in the time in which a wave crosses the material four times, and
+  then stands still; the motion has a clock of its own. Once its criteria hold (relaxation.c) the points are left at
+  rest, and quasi-static steps go on.
 
-  For the results all of it is one step. Checkpoints may stand within, signals and wall time permitting: points have their
-  velocities there, and the numbers of MpmRescuing.
+  For the results all of it is one step. Checkpoints may stand within, signals and wall time permitting: points have
+  their velocities there, and the numbers of MpmRescuing.
 
   Order of calls: Begin(); then for each step of the motion the integrator's, to NextTime(), and Over().
 */

@@ -7,15 +7,15 @@
 
 /* Rows of the state (base/rows.h). */
 PetscErrorCode MpmRescueAddRows(MpmModel model);
-/* Does the stage under way want it, and may its integrator give way? */
+/* True where the stage under way has a rescue, and its integrator allows one. */
 PetscBool MpmRescueServes(const MpmModel model);
 /* Begins one, to the end of a whole step of the stage; `why`: reason of the step's failure. */
 PetscErrorCode MpmRescueBegin(MpmModel model, const char *why);
 /* The run's time after the next step of the motion, whose length is state.dt_wanted. */
 PetscErrorCode MpmRescueNextTime(MpmModel model, PetscReal *time);
 /*
-  After a step of it. At rest: the quasi-static step of length `dt` is done, and the next one may begin; no longer state.scheme.rescuing.on.
-  Failure: not at rest in as many steps as it may take.
+  After one of its steps. At rest: the quasi-static step of length `dt` is done, and the next one may begin; no longer
+  state.scheme.rescuing.on. Failure: not at rest within the allowed steps.
 */
 PetscErrorCode MpmRescueOver(MpmModel model, PetscReal *dt, MpmOutcome *outcome);
 /* For a run that goes on within one. */

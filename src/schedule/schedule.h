@@ -26,9 +26,9 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, MpmOutcome *outcome);
 /* Rows of the state (base/rows.h). */
 PetscErrorCode MpmSlideAddRows(MpmModel model);
 /*
-  Loss of equilibrium (slide.c): Begin with a stage; Look at a solution to `next`, refused where it is
-  suspected, and not `retryable` once shorter steps move as far; Observe after a step that was accepted; Suspects: has one of the
-  last steps been; Explain adds what was suspected to the reason for which a run gives up.
+  Loss of equilibrium (slide.c): Begin with a stage; Look at a solution to `next`, refused where it is suspected, and
+  not `retryable` once shorter steps move as far; Observe after a step that was accepted; Suspects: true where one of
+  the last steps was suspected; Explain adds the suspicion to the reason for which a run gives up.
 */
 void           MpmSlideBegin(MpmModel model);
 PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, MpmOutcome *outcome);

@@ -3,18 +3,21 @@
 
     f_int(u) - f_ext + M u/tau^2 = 0
 
-  are steps that begin at rest, M the consistent mass: backward Euler without the velocity that the last step has left. The term gives
-  a body most of whose points flow the firmness without which Newton's method goes to and fro between yield surfaces for ever. As forces
-  come into balance u vanishes, and the term with it. tau doubles after a step and is halved where Newton fails, and then kept for HELD
-  steps: what stands is at rest after a few, and what does not slides further in each.
+  are steps that begin at rest, M the consistent mass: backward Euler without the velocity that the last step has left.
+  The term stiffens a body most of whose points flow; without it Newton's method alternates between yield surfaces for
+  ever. As forces come into balance u vanishes, and the term with it. tau doubles after a step and is halved where
+  Newton's method fails, and then kept for HELD steps: a stable slope is at rest after a few, an unstable one slides
+  further in each.
 
-  At rest: the norm of M u/tau^2 is below REST of that of loads and reactions. Loads, supports and strengths are those of the end, from the
-  first step on. Where the ground passes the limit of the reduction, or tau gets too short, the points go back to where they began.
+  At rest: the norm of M u/tau^2 is below REST of that of loads and reactions. Loads, supports and strengths are those
+  of the end, from the first step on. Where the ground passes the limit of the reduction, or tau gets too short, the
+  points go back to where they began.
 
   Order of calls: MpmSettle() in place of a step; within its steps MpmSettleSet().
 
-  Source: pseudo-transient continuation; Kelley and Keyes (1998), SIAM J. Numer. Anal. 35, 508-523, doi:10.1137/S0036142996304796. Damped motion
-  to rest under reduced strength: Dawson, Roth and Drescher (1999), Geotechnique 49, 835-840, doi:10.1680/geot.1999.49.6.835.
+  Source: pseudo-transient continuation; Kelley and Keyes (1998), SIAM J. Numer. Anal. 35, 508-523,
+  doi:10.1137/S0036142996304796. Damped motion to rest under reduced strength: Dawson, Roth and Drescher (1999),
+  Geotechnique 49, 835-840, doi:10.1680/geot.1999.49.6.835.
 */
 #include "point/material.h"
 #include "particles/particles.h"

@@ -7,18 +7,18 @@
 
     C = max |u_p| / |f_ext(t + dt) - f_int(t)| ,    C > JUMP_RATIO sum max |u_p| / sum |f_ext(t + dt) - f_int(t)|
 
-  The sums leave out steps that were as far out of proportion, but those that halving has confirmed. A suspected step
-  is halved. What is suspected again after JUMP_HALVES halvings, in steps that end no later than the first one, and
-  moves by more than JUMP_SHRINK of what that did, does not shrink with the step: the run ends, and the last line says
-  what slides, how far, and where. Steps that shrink are accepted: they follow a path of equilibrium. Where the run
-  gives up, because no solution is found, it is told to slide if the last step was as far out of proportion.
+  The sums leave out steps that were as far out of proportion, but those that halving has confirmed. A suspected step is
+  halved. A step suspected again after JUMP_HALVES halvings, that ends no later than the first one and moves by more
+  than JUMP_SHRINK of its motion, does not shrink with the step: the run ends, and the last line gives body, distance
+  and place of the slide. Steps that shrink are accepted: they follow a path of equilibrium. Where the run gives up,
+  because no solution is found, a slide is reported if the last step was as far out of proportion.
 
-  Beyond a limit load ground may also slide in short steps, each in equilibrium with ground that has come to lie
-  before it: a cut whose toe is buried rises by a third of its limit load. Yielding makes ground softer by a factor of
-  ten or so, a mechanism by hundreds. So a slide begins with a step that is FAR_RATIO times out of proportion to those
-  that were in proportion. It lasts while steps are JUMP_RATIO times out of proportion by their forces or by their
-  lengths: as points move over the grid a step starts out of balance, by much more than a short step's loads. The run
-  ends before the slide is longer than JUMP_WAY cells.
+  Beyond a limit load ground may also slide in short steps, each in equilibrium with ground that has come to lie before
+  it: a cut whose toe is buried rises by a third of its limit load. Yielding makes ground softer by a factor of ten or
+  so, a mechanism by hundreds. A slide therefore begins with a step that is FAR_RATIO times out of proportion to those
+  that were in proportion. The slide lasts while steps are JUMP_RATIO times out of proportion by their forces or by
+  their lengths: as points move over the grid a step starts out of balance, by much more than a short step's loads. The
+  run ends before the slide is longer than JUMP_WAY cells.
 
   A stage that seeks a factor of safety, or has found one, slides as it should, and relaxations in place of a step do
   so, too.
@@ -48,7 +48,7 @@ void MpmSlideBegin(MpmModel model)
   model->state.scheme.slide = (MpmSlide){.end = -1.};
 }
 
-/* Does anything flow or rub? An elastic body that jumps, as it buckles, is in equilibrium behind that. */
+/* True where anything flows or rubs. An elastic body that jumps, as it buckles, is in equilibrium behind that. */
 static PetscBool MaySlide(const MpmModel model)
 {
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
@@ -56,7 +56,7 @@ static PetscBool MaySlide(const MpmModel model)
   return (PetscBool)((MpmTermsTraits(model->disc.terms) & MPM_TERM_SLIDES) > 0);
 }
 
-/* May the stage under way not slide? */
+/* True where the stage under way may not slide. */
 static PetscBool MustStand(const MpmModel model)
 {
   const MpmStage *stage = &model->scene.stages[model->state.stage];
@@ -92,7 +92,7 @@ static PetscErrorCode FindLongest(MpmModel model, PetscReal *way)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is a point's body being taken away? */
+/* True where a point's body is being removed. */
 static PetscBool IsFading(const MpmModel model, PetscInt id)
 {
   const PetscInt body = BodyOf(model, id);
@@ -154,8 +154,8 @@ static void Describe(MpmModel model, const MpmFastest *fastest, const char forma
 #define JUMPS  "body %.40s jumps by %.3g m at %s"
 
 /*
-  Is the solution at hand so many times out of proportion to the steps that were in proportion? Rounding, before a load
-  sets in, is no measure.
+  True where the present solution is so many times out of proportion to the steps that were in proportion. Rounding,
+  before a load sets in, is no measure.
 */
 static PetscBool Exceeds(const MpmSlide *slide, PetscReal ratio)
 {
@@ -165,7 +165,7 @@ static PetscBool Exceeds(const MpmSlide *slide, PetscReal ratio)
                      slide->now.way * force > ratio * slide->force * way);
 }
 
-/* Does a slide go on in the solution at hand? */
+/* True where a slide goes on in the present solution. */
 static PetscBool GoesOn(const MpmSlide *slide)
 {
   if (!(slide->slid > 0.)) return PETSC_FALSE;

@@ -162,13 +162,13 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What acts on a surface; drained boundaries are drained in all stages. */
+/* True where a surface has a load; drained boundaries are drained in all stages. */
 static PetscBool ActsOn(const MpmModel model, const MpmStage *stage, PetscInt surface)
 {
   return (PetscBool)(surface >= model->scene.surfaces->named || stage->surfaces[surface]);
 }
 
-/* What acts from here on, and the walls that follow. */
+/* Conditions, motions, loads and surfaces active from here on, and the walls that follow. */
 static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
 {
   PetscFunctionBeginUser;

@@ -20,13 +20,13 @@ PetscErrorCode MpmRemovalCommit(MpmModel model);
 void           MpmRemovalResume(MpmModel model);
 /* Closes the gap beneath a body that joins, or refuses the body (fill_gap.c). Its points are there. Collective. */
 PetscErrorCode MpmGapClose(MpmModel model, PetscInt body, const char stage[]);
-/* What a stage's bodies are made of from here on: stress, mass and shape stay (change_material.c). */
+/* Materials of a stage's bodies from here on: stress, mass and shape stay (change_material.c). */
 PetscErrorCode MpmMaterialsChange(MpmModel model, const MpmStage *stage);
 /* Makes a stage the one under way: bodies, materials, conditions, loads, time. */
 PetscErrorCode MpmStageBegin(MpmModel model, PetscInt stage);
 /*
-  What the integrator leaves to the end of a stage, before the next one begins or the run ends (step_control.c). Not in
-  a run's checkpoints: should the stage end later than it was thought, then it goes on as if nothing had happened.
+  Tasks of the integrator at the end of a stage, before the next one begins or the run ends (step_control.c). Not in a
+  run's checkpoints: should the stage end later than planned, it goes on without them.
 */
 PetscErrorCode MpmStageFinish(MpmModel model, MpmOutcome *outcome);
 PetscBool      MpmStageHasFinish(const MpmModel model);

@@ -19,7 +19,8 @@
 #include "schedule/settle.h"
 #include "schedule/stage.h"
 
-/* An error in time that falls no faster than this power of the step's length has another cause; after a sudden load it is 3/8. */
+/* An error in time that falls no faster than this power of the step's length has another cause; after a sudden load it
+   is 3/8. */
 #define STUBBORN 0.15
 
 /* Relative rounding errors, in units of the machine's, that are taken out of times. */
@@ -34,8 +35,8 @@
 #define CUTS_BEFORE_SETTLING 2
 
 /*
-  Is the error in time of the step that has been solved for too large? Not where a shorter step has not made it smaller: it
-  then comes from something sudden, or where no shorter step may be tried; that is told.
+  Rejects the solved step where its error in time is too large. Not where a shorter step has not reduced it, since it
+  then has a sudden cause, or where no shorter step may be tried; that is reported.
 */
 static PetscErrorCode LookAtError(MpmModel model, PetscReal dt, MpmOutcome *outcome)
 {
@@ -90,8 +91,8 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
 }
 
 /*
-  A decimal number that is no further away than rounding errors take a sum of steps. So a time is the same one however many
-  steps led to it, and whether a run ends there or passes it.
+  A decimal number within the rounding errors of a sum of steps. A time is then independent of the number of steps that
+  led to it, and of whether a run ends there or passes it.
 */
 PetscReal MpmTimeRound(PetscReal time)
 {
@@ -123,7 +124,8 @@ PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
 
 #define EASY 6 /* iterations */
 
-/* After an easy step the next one is longer, after a hard one, when adaptive, it stays; and the error in time may be small. */
+/* After an easy step the next one is longer; after a hard one, when adaptive, it stays; also where the error in time
+   is small. */
 static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
 {
   if (!model->state.adaptive) return PetscMin(wanted * model->state.growth, model->state.dt_nominal);
@@ -137,8 +139,9 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
 }
 
 /*
-  May F-bar average dilation for one step? Where it does so for long pressures drift apart, and a limit load rises by a hundredth within
-  a few steps. So always while the factor of safety is sought, and otherwise a few times: where many steps fail it would be dear.
+  True where F-bar may average dilation for one step. Over many steps pressures would drift apart, and a limit load
+  would rise by a hundredth within a few steps. Therefore always while the factor of safety is sought, and otherwise a
+  few times: where many steps fail it would be expensive.
 */
 static PetscBool AveragesOnce(const MpmModel model)
 {
@@ -180,7 +183,8 @@ static PetscErrorCode Cut(MpmModel model, const char *why, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where Newton's method has found no state of rest in the shortest step, motion might: it takes over, or is named in the reason. */
+/* Where Newton's method has found no state of rest in the shortest step, a relaxation may: it takes over, or is named
+   in the reason. */
 static PetscErrorCode OfferRelaxation(MpmModel model, MpmOutcome *outcome)
 {
   SNESConvergedReason reason;
@@ -276,7 +280,7 @@ PetscErrorCode MpmStageFinish(MpmModel model, MpmOutcome *outcome)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What may be tried where a step fails. */
+/* Remedies where a step fails. */
 typedef struct {
   PetscBool seeks, dilation; /* a factor of safety, with F-bar; F-bar may average dilation */
   PetscInt  most;            /* cuts before F-bar does */
@@ -291,15 +295,16 @@ static Remedies FindRemedies(const MpmModel model)
                     .most     = seeks ? CUTS_IN_REDUCTION : CUTS_WITH_DILATION};
 }
 
-/* May a step of the reduction settle? Not with bodies whose motion is solved for: they have no part in the term of settle.c. */
+/* True where a step of the reduction may settle: not with bodies whose motion is solved for, which the term of
+   settle.c omits. */
 static PetscBool MaySettle(const MpmModel model)
 {
   return (PetscBool)(model->disc.inertia->settles && !(MpmTermsTraits(model->disc.terms) & MPM_TERM_UNKNOWNS));
 }
 
 /*
-  After a step to `next` that failed: a shorter one, the step in another way, or the end: `again` and `outcome` as for MpmStep(), and
-  `over`: nothing is left to try, or the stage has ended.
+  After a step to `next` that failed: a shorter one, the step with another remedy, or the end: `again` and `outcome` as
+  for MpmStep(), and `over`: nothing is left to try, or the stage has ended.
 */
 static PetscErrorCode TryNext(MpmModel model, const Remedies *remedies, PetscReal next, PetscReal dt, PetscBool *again,
                               PetscBool *over, MpmOutcome *outcome)

@@ -3,9 +3,9 @@
 
     stage_fail: {reduction: "0:1,1:2", time: {end: 1, step: 0.02}}
 
-  Which parameters are strengths the law's table says (MPM_STRENGTH, MPM_STRENGTH_ANGLE; of angles it is the tangent
-  that is divided); all others, elasticity among them, stay. So do F and history of the points: the return of the next
-  step brings the stress to the smaller yield surface, and Newton's method the forces into balance again.
+  The law's table marks strengths (MPM_STRENGTH, MPM_STRENGTH_ANGLE; of angles the tangent is divided); all others,
+  elasticity among them, stay. F and history of the points stay, too: the return of the next step brings the stress to
+  the smaller yield surface, and Newton's method the forces into balance again.
 
   Parameters belong to the time of a step's end. Apply() sets them when a step is tried, and again for the step's start
   when it is rolled back. In stages without a reduction F is 1.
@@ -17,11 +17,11 @@
   bounds, unless the scene sets it.
 
   Steps without inertia bracket it. A step fails where Newton's method finds no equilibrium, or where a point would pass
-  the limit: it is rolled back and halved, until its factors are as close as `reduction_tolerance`. What then fails
-  beyond the last state that stood is the slope, and the stage ends in that state, or goes on with `reduction_slide`.
-  Where the solver alone fails the last factor is a lower bound. The rate of movement by F grows, so that the limit
-  would be passed no later than at the last step's rate: where that is within a hundredth the factor is known, and
-  otherwise the run gives up.
+  the limit: it is rolled back and halved, until its factors are as close as `reduction_tolerance`. The failure beyond
+  the last state that stood is then that of the slope, and the stage ends in that state, or goes on with
+  `reduction_slide`. Where the solver alone fails the last factor is a lower bound. The rate of movement by F grows, so
+  that the limit would be passed no later than at the last step's rate: where that is within a hundredth the factor is
+  known, and otherwise the run gives up.
 
   Where the ramp begins with another factor than the last stage ended with, these steps take the difference over their
   first step's nominal length, so that a slope that fails there is bracketed from the state before.
@@ -141,7 +141,7 @@ static PetscErrorCode PrintUnreduced(MpmModel model)
 
 #define GONE (-2) /* the body is not there */
 
-/* What bodies are made of in a stage: -1 as at the start, or GONE. */
+/* Materials of bodies in a stage: -1 as at the start, or GONE. */
 static void FindMaterials(const MpmModel model, PetscInt stage, PetscInt material[])
 {
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {

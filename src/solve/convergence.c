@@ -1,6 +1,6 @@
 /*
-  Convergence of Newton's method: residual relative to that at zero displacement, whatever the first guess, with a floor of rounding; balance
-  of the forces of contact and supports; stagnation.
+  Convergence of Newton's method: residual relative to that at zero displacement, for any start, with a floor of
+  rounding; balance of the forces of contact and supports; stagnation.
 */
 #include "point/layout.h"
 #include "point/material.h"
@@ -24,8 +24,8 @@ static PetscReal Contact(const MpmSolver *solver)
 #define BODY_IMBALANCE 1e-12 /* of what pushes a body */
 
 /*
-  A free body's few equations are part of all, and may be off by more than their share: Newton goes on until they are met,
-  or come no closer.
+  A free body's few equations are a small share of all, and may be off by more than that share: iterations go on until
+  these equations are met, or stagnate.
 */
 static PetscErrorCode TestBodies(SNES snes, MpmSolver *solver, SNESConvergedReason *reason)
 {
@@ -55,9 +55,9 @@ PetscErrorCode MpmSolverSetReference(MpmSolver *solver, Vec f)
 }
 
 /*
-  What rounding leaves of the residual, at x: a residual as small cannot be reduced. Strains are known to eps and to
-  eps |u|/h, the last from the differences of nodal values; times stiffness and a node's share of volume that is eps K (h + |u|)
-  a node. A boundary's penalty adds what it makes of the rounding of places.
+  Rounding error of the residual at x, which cannot be reduced further. Strains are known to eps and to eps |u|/h, the
+  last from the differences of nodal values; times stiffness and a node's share of volume that is eps K (h + |u|) a
+  node. A boundary's penalty adds that of the rounding of places.
 */
 static PetscReal Floor(const MpmSolver *solver, PetscReal xnorm)
 {
@@ -81,7 +81,7 @@ PetscErrorCode MpmFieldsExcess(MpmSolver *solver, Vec x, Vec f, PetscReal *exces
 
 #define ROUGH 1e4 /* times the tolerance */
 
-/* Is a residual with this norm small enough? */
+/* Converged where a residual with this norm is small enough. */
 static PetscErrorCode TestNorm(MpmSolver *solver, PetscReal xnorm, PetscReal fnorm, SNESConvergedReason *reason)
 {
   PetscReal atol, rtol;
@@ -107,11 +107,11 @@ static PetscErrorCode TestNorm(MpmSolver *solver, PetscReal xnorm, PetscReal fno
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* It gets nowhere when so many iterations have not reduced the least residual to this part. */
+/* stagnation: so many iterations have not reduced the least residual to this fraction */
 #define STALL      6
 #define STALL_GAIN 0.9
 
-/* Does Newton's method get nowhere? Where contact goes to and fro between states it does so for ever. */
+/* True on stagnation of Newton's method. Where contact alternates between states it lasts for ever. */
 static PetscBool Stalls(MpmEvaluations *cache, PetscInt it, PetscReal fnorm)
 {
   if (!it || fnorm < STALL_GAIN * cache->least) {
@@ -121,16 +121,17 @@ static PetscBool Stalls(MpmEvaluations *cache, PetscInt it, PetscReal fnorm)
   return (PetscBool)(it - cache->least_at >= STALL);
 }
 
-/* With contact a prediction is an answer only where it is so much better than an iteration has to be: forces balance. */
+/* With contact a prediction is an answer only where it is so much better than required of an iteration: forces
+   balance. */
 #define PREDICTION 1e-3
 
-/* They do so to this part of what pushes, but for that no more than so many iterations are taken. */
+/* Tolerance of the balance relative to the driving forces, and bound of the iterations taken for it alone. */
 #define BALANCE      1e-6
 #define BALANCE_MOST 12
 
 /*
-  Squares of the reactions, N2, of the owned unknowns that are prescribed to move, in a step without inertia whose only unknown is the
-  displacement. The residual is that of the last iterate.
+  Squares of the reactions, N2, of the owned unknowns with prescribed motion, in a step without inertia whose only
+  unknown is the displacement. The residual is that of the last iterate.
 */
 static PetscReal ReactionSquares(const MpmDiscretization *disc)
 {
@@ -144,8 +145,8 @@ static PetscReal ReactionSquares(const MpmDiscretization *disc)
 }
 
 /*
-  Are the forces of contacts, and of what is prescribed to move, in balance? What moves makes the residual at rest large, and with it the
-  tolerance, however little it presses.
+  True where the forces of contacts, and of prescribed motions, are in balance. A motion makes the residual at rest
+  large, and with it the tolerance, however small its force.
 */
 static PetscErrorCode IsBalanced(MpmSolver *solver, PetscReal fnorm, PetscBool *balanced)
 {

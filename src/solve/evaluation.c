@@ -1,5 +1,6 @@
 /*
-  Evaluations at a solution vector: nodal values from it, the residual's sums over terms, and the place of a vector's values.
+  Evaluations at a solution vector: nodal values from it, the residual's sums over terms, and the place of a vector's
+  values.
 */
 #include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
 #include "point/layout.h"

@@ -1,14 +1,15 @@
 /*
-  When have all fields of a step converged?
+  Convergence test of a step with several fields.
 
-  A residual of several fields is forces beside, say, volumes; in the solver's units (MpmUnitsTimes()) both are forces. Each field has
-  to fall below snes_rtol of what is its own: the residual at the step's start, or what the others do to it in the step, if that is
-  more. Where a load comes at once on sealed ground the volumes start in balance, and where water flows out under a constant
-  load the forces do; what then sets the scale is what Newton's first iteration makes the fields do to one another,
+  A residual of several fields has forces and, say, volumes; in the solver's units (MpmUnitsTimes()) both are forces.
+  Each field has to fall below snes_rtol of its own reference: the residual at the step's start, or the action of the
+  others on it in the step, if that is more. Where a load comes at once on sealed ground the volumes start in balance,
+  and where water flows out under a constant load the forces do. The scale is then set by the mutual action of the
+  fields in Newton's first iteration,
 
     J_fg (x_g - x_g at the step's start) ,   g the other fields
 
-  And a floor: the rounding of strains, as for one field, and that of the field's own values times its diagonal, which
+  The floor is the rounding of strains, as for one field, and that of the field's own values times its diagonal, which
   counts where a step is long against the time that the pressure takes to spread over a cell.
 */
 #include "point/layout.h"
@@ -69,8 +70,8 @@ static PetscErrorCode Mask(const MpmSolver *solver, PetscInt field, PetscBool wi
 }
 
 /*
-  What the first iteration, from x along -y, tells of the fields: increments are counted from zero, totals from x, which is
-  where they start.
+  Mutual action of the fields from the first iteration, from x along -y: increments are counted from zero, totals from
+  x, their start.
 */
 PetscErrorCode MpmFieldsLearn(MpmSolver *solver, Vec x, Vec y)
 {

@@ -1,15 +1,15 @@
 /*
   The preconditioner for a displacement and a pressure that keeps the volume, of the preset poro-fieldsplit.
 
-  The Jacobian is [A, B; C, -D]: A the solid's stiffness, D what the pressure's own gradient and value let through or store in the
-  step. PETSc's PCFIELDSPLIT factors it by blocks, with multigrid for A, which is told the rigid body modes, and for
+  The Jacobian is [A, B; C, -D]: A the solid's stiffness, D flow and storage of the pressure's own gradient and value in
+  the step. PETSc's PCFIELDSPLIT factors it by blocks, with multigrid for A, which gets the rigid body modes, and for
 
     S = -(D + M) ,   M_ij = sum_p V_0 phi_i phi_j / (lambda + 2 mu)
 
-  in place of the Schur complement -(D + C A^{-1} B): a pressure that varies like a wave is resisted by what compresses a
-  solid along the wave, so that M, by the material at each point, is C A^{-1} B in the inside of uniform ground. It counts where little
-  drains in the step, and D, with mobility times the step, storage and the stabilisation, where much does; where
-  permeability changes by orders of magnitude from layer to layer each holds in its place.
+  in place of the Schur complement -(D + C A^{-1} B). A pressure that varies like a wave is resisted by the modulus of
+  compression along the wave, so that M, by the material at each point, is C A^{-1} B in the inside of uniform ground. M
+  counts where little drains in the step, and D, with mobility times the step, storage and the stabilisation, where much
+  does. Where permeability changes by orders of magnitude from layer to layer each dominates in its layers.
 
   Source of the idea: the fixed-stress splitting as a preconditioner, White, Castelletto and Tchelepi (2016),
   doi:10.1016/j.cma.2015.12.010.

@@ -2,11 +2,11 @@
   The Jacobian, column by column: global seeds in dual numbers.
 
   Nodes that stand a multiple of b = 2w - 1 apart on every axis share no row, w being the most nodes that a point
-  touches on an axis. So b^dim seeds, one for each place in a block of b^dim nodes, times the unknowns of a node, give
-  all columns: 25 or 125 for GIMP and quadratic B-splines. Source: Zhao, Li, Jiang and Choo (2025), GeoWarp, section
-  3.2.
+  touches on an axis. Therefore b^dim seeds, one for each place in a block of b^dim nodes, times the unknowns of a node,
+  give all columns: 25 or 125 for GIMP and quadratic B-splines. Source: Zhao, Li, Jiang and Choo (2025), GeoWarp,
+  section 3.2.
 
-  With one node a colour the same code is the dense, column-by-column differentiation; with differences of the plain
+  With one node a colour this code is the dense, column-by-column differentiation; with differences of the plain
   kernel in place of duals it is the finite-difference Jacobian. Both are for tests and benchmarks.
 */
 #include "grid/grid.h"
@@ -39,7 +39,7 @@ static PetscInt NodeOfColor(const Seeds *seeds, const MpmGroup *box, const Petsc
   return (at[2] * box->count[1] + at[1]) * box->count[0] + at[0];
 }
 
-/* Is a local node of this colour? */
+/* True where a local node has this colour. */
 static PetscBool HasColor(const Seeds *seeds, PetscInt node, const PetscInt color[])
 {
   const PetscInt dim = seeds->sum->space->dim;

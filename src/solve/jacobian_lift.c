@@ -1,10 +1,10 @@
 /*
-  Modes without stiffness. A direct solver returns in these whatever rounding gives, and the result depends on the number of ranks.
-  Raising the Jacobian's diagonal a little makes them zero. Newton's residual is untouched, so what it converges to is; it converges
-  as fast in all modes that are stiffer than what is added.
+  Modes without stiffness. A direct solver returns rounding errors in these, and the result depends on the number of
+  ranks. Raising the Jacobian's diagonal a little makes them zero. Newton's residual, and with it the solution, is
+  unchanged; convergence is as fast in all modes that are stiffer than the addition.
 
-  Nodes that the corner of a single domain touches have more unknowns than the point has strains. And a body at rest that nothing
-  but contact holds may slide where nothing rubs, or hang above what it will rest on.
+  Nodes that the corner of a single domain touches have more unknowns than the point has strains. A body at rest that is
+  supported by contact alone may slide along frictionless faces, or hang above its support.
 */
 #include "assembly/terms.h"
 #include "volume/inertia.h"
@@ -12,19 +12,19 @@
 #include "solve/solve.h"
 
 /*
-  A displacement unknown is weak when its diagonal is below this part of a typical one, and with the node's last one its other
-  fields; their diagonals are raised by that part.
+  A displacement unknown is weak when its diagonal is below this fraction of a typical one, and with the node's last one
+  its other fields; their diagonals are raised by that fraction.
 */
 #define WEAK_NODE 1e-3
 #define WEAK_LIFT 1e-11
 /*
-  All are raised by this part where contact may let a body go: in Newton's first iterations, whose corrections are large and rounding
-  in them, too. Later ones bring home the modes that are softer than this.
+  All are raised by this fraction where contact may release a body: in Newton's first iterations, whose corrections are
+  large and have rounding, too. Later ones reduce the modes that are softer than this.
 */
 #define LOOSE_LIFT  1e-8
 #define LOOSE_FIRST 3
 
-/* At rest, may contact that is near let anything go? */
+/* True for a step at rest in which nearby contact may release a body. */
 static PetscBool MayLetGo(const MpmSolver *solver)
 {
   if (solver->disc->inertia->active || !MpmSolverHasContact(solver)) return PETSC_FALSE;

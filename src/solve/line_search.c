@@ -6,7 +6,8 @@
 #include "problem/discretization.h"
 #include "solve/line_search.h"
 
-/* a step is too long when it raises both the residual and, this much, the slope's size; less patience in later iterations */
+/* a step is too long when it raises both the residual and, by this factor, the slope's magnitude; less in later
+   iterations */
 #define LINE_SEARCH_RATIO    2.
 #define LINE_SEARCH_PATIENT  2
 #define LINE_SEARCH_LATER    1.
@@ -18,7 +19,7 @@
 #define EXCURSION_GAIN 0.9
 
 /* with care, the zero of the slope is looked for in a bracket: */
-#define BRACKET_OVERSHOT 0.3 /* so much of the slope, with the other sign, may be left in later iterations */
+#define BRACKET_OVERSHOT 0.3 /* accepted ratio of the slope, of opposite sign, in later iterations */
 #define BRACKET_SLOPE    0.5 /* once there is a bracket, so much of it at most */
 #define BRACKET_EDGE     0.1 /* no trial is nearer to an end than this part of the bracket */
 #define BRACKET_TRIALS   20
@@ -29,7 +30,7 @@
 #define BRACKET_GROWTH   2.  /* of the residual, where the slope says nothing */
 #define BRACKET_HALVES   5
 
-/* Will a new Jacobian be asked for after this iteration? Steps are much like the last one. */
+/* Decides whether a new Jacobian is made after this iteration. Steps are much like the last one. */
 static PetscErrorCode LookAhead(MpmSolver *solver, SNES snes)
 {
   PetscInt it;
@@ -40,7 +41,7 @@ static PetscErrorCode LookAhead(MpmSolver *solver, SNES snes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is there contact, and has a step gone well beyond the zero of the slope? */
+/* True where there is contact, and a step went well beyond the zero of the slope. */
 static PetscBool Overshot(const MpmSolver *solver, PetscInt it, PetscReal start, PetscReal slope)
 {
   return (PetscBool)(MpmSolverHasContact(solver) && it >= LINE_SEARCH_PATIENT && start > 0. &&
@@ -61,10 +62,11 @@ typedef struct {
 } FullStep;
 
 /*
-  Where a penalty is stiff, the slope's zero lies where the first patch touches, and a line search that stops there takes an
-  iteration a patch. Full steps, each of which finds the patches that touch after the last one, get on: so one is taken although the slope
-  forbids it, another may follow, and more as long as the residual falls. When it rises, and is not below what it was at first,
-  `back` says to return to the start, *step becomes that first one, and the line search has its way.
+  Where a penalty is stiff, the slope's zero lies where the first patch touches, and a line search that stops there
+  takes an iteration a patch. Full steps, each of which finds the patches that touch after the last one, converge
+  faster. Therefore one is taken although the slope forbids it, another may follow, and more as long as the residual
+  falls. When the residual rises, and is not below the first one, `back` requests a return to the start, *step becomes
+  that first one, and the line search decides.
 */
 static PetscErrorCode Excursion(MpmSolver *solver, Vec X, Vec Y, FullStep *step, PetscBool fine, PetscBool *take,
                                 PetscBool *back)
@@ -100,8 +102,8 @@ static PetscErrorCode Excursion(MpmSolver *solver, Vec X, Vec Y, FullStep *step,
 }
 
 /*
-  Where a line search has been: lengths with a slope downhill and uphill of its zero (-1: none yet), the slopes, and which end moved
-  last (-1: none).
+  Bracket of a line search: lengths with a slope downhill and uphill of its zero (-1: none yet), the slopes, and the end
+  that moved last (-1: none).
 */
 typedef struct {
   PetscReal start, at[2], slope[2];
@@ -123,17 +125,19 @@ static void Narrow(Bracket *bracket, PetscReal slope, PetscReal *lambda)
 }
 
 /*
-  By the work: the full step costs one residual and is taken when the residual falls or the slope of the work, G . Y, does;
-  otherwise the slope's zero is bracketed by regula falsi. A trial without an answer halves the step. `found`: there is one.
+  By the work: the full step costs one residual and is taken when the residual falls or the slope of the work, G . Y,
+  does; otherwise the slope's zero is bracketed by regula falsi. A trial without an answer halves the step. `found`: a
+  step was found.
 
-  A test on the residual alone would throttle bending and rotation, where a good full step raises the residual first. It
-  does so at the solution's start only; in plastic flow without change of volume, steps that later raise the slope's size
-  run away (a footing on clay: 63 iterations and two cuts in place of 24).
+  A test on the residual alone would throttle bending and rotation, where a good full step raises the residual first.
+  Such rises occur at the solution's start only. In plastic flow without change of volume, steps that later raise the
+  slope's magnitude diverge (a footing on clay: 63 iterations and two cuts in place of 24).
 
-  Where contact sticks, slips or opens from one iterate to the next, full steps may go to and fro over a kink for ever, each
-  with a slope as large as the last and of the other sign, and a residual that falls on every other one. So there the slope
-  has to be less after a step than before. Between two that slide to and fro the zero is a kink, where it sticks: one interpolation
-  gets a part of the way there, 1/2, 1/3, 1/4 ... from one iteration to the next, and the bracket is narrowed instead.
+  Where contact sticks, slips or opens from one iterate to the next, full steps may alternate over a kink for ever, each
+  with a slope as large as the last and of opposite sign, and a residual that falls on every other one. There the slope
+  has to be less after a step than before. Between two that slide to and fro the zero is a kink, where contact sticks:
+  one interpolation covers a fraction of the distance, 1/2, 1/3, 1/4 ... from one iteration to the next, and the bracket
+  is narrowed instead.
 */
 static PetscErrorCode SearchByWork(MpmSearch *search, PetscBool *found)
 {
@@ -188,7 +192,7 @@ static PetscErrorCode SearchByWork(MpmSearch *search, PetscBool *found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is the residual at search->lambda, with this slope there, good enough? */
+/* True where the residual at search->lambda, with this slope there, is accepted. */
 static PetscBool IsGood(const MpmSearch *search, const Bracket *bracket, PetscReal slope)
 {
   const PetscBool early = (PetscBool)(search->it < LINE_SEARCH_PATIENT);
@@ -201,7 +205,8 @@ static PetscBool IsGood(const MpmSearch *search, const Bracket *bracket, PetscRe
 }
 
 /*
-  Has a length changed nothing, with none yet uphill? So it is where all of a body slides: the zero is where some of it sticks, farther on.
+  True where a length has changed nothing, with none yet uphill: all of a body slides there, and the zero, where some of
+  it sticks, is farther on.
 */
 static PetscBool IsFlat(const MpmSearch *search, const Bracket *bracket, PetscReal slope)
 {
@@ -211,10 +216,10 @@ static PetscBool IsFlat(const MpmSearch *search, const Bracket *bracket, PetscRe
 }
 
 /*
-  The same with care, for contact. Where it sticks, slips, closes or opens on the way the slope has kinks, often a thousand times as steep behind them
-  as before, and full steps may go to and fro over them for ever, with a residual that falls on every other one. So the
-  slope's zero is bracketed, by regula falsi that keeps off the ends. Where friction makes the slope negative at the start, it says nothing
-  and the residual counts.
+  The careful search, for contact. Where it sticks, slips, closes or opens on the way the slope has kinks, often a
+  thousand times as steep behind them as before, and full steps may alternate over them for ever, with a residual that
+  falls on every other one. The slope's zero is therefore bracketed, by regula falsi that keeps off the ends. Where
+  friction makes the slope negative at the start, the slope is meaningless and the residual decides.
 */
 static PetscErrorCode SearchByBracket(MpmSearch *search, PetscBool *found)
 {
@@ -292,7 +297,7 @@ static PetscErrorCode SearchByNorm(MpmSearch *search, PetscBool *found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Passes the iterate that is taken to the terms; forces that were held until now are others there. */
+/* Passes the accepted iterate to the terms; contacts kept closed until now have other forces there. */
 static PetscErrorCode AcceptIterate(MpmSearch *search)
 {
   const MpmDiscretization *disc    = search->solver->disc;
@@ -339,7 +344,7 @@ PetscErrorCode MpmLineSearch(SNESLineSearch object, void *ctx)
   PetscCall(VecCopy(search.W, search.X));
   PetscCall(VecCopy(search.G, search.F));
   if (MpmPlaceIsSame(&tried, &search.solver->cache.summed))
-    PetscCall(MpmPlaceGet(search.X, &search.solver->cache.summed)); /* the same values */
+    PetscCall(MpmPlaceGet(search.X, &search.solver->cache.summed)); /* equal values */
   PetscCall(MpmSearchTaken(&search));
   PetscCall(VecNorm(search.X, NORM_2, &xnorm));
   PetscCall(SNESLineSearchSetLambda(object, search.lambda));

@@ -16,8 +16,8 @@ typedef struct {
 /* Tries X - lambda Y: the residual there, and its norm. */
 PetscErrorCode MpmSearchTry(MpmSearch *search);
 /*
-  Where the step is a minimisation: the step that has been found must not raise the objective; where it does it is cut, and where Newton's
-  direction leads uphill it is turned round. `found`: there is one that does not. `taken` keeps the objective for the next iteration.
+  Where the step is a minimisation: the step must not raise the objective; otherwise it is cut, and reversed where
+  Newton's direction leads uphill. `found`: a step satisfies this. `taken` keeps the objective for the next iteration.
 */
 PetscErrorCode MpmSearchDescend(MpmSearch *search, PetscBool *found);
 PetscErrorCode MpmSearchTaken(MpmSearch *search);

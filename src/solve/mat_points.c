@@ -63,8 +63,8 @@ static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
 }
 
 /*
-  What followers' diagonal blocks are to their masters', e^2 K_ss; what couples a follower with others is left out,
-  since it would take all entries of the matrix.
+  Contributions of followers' diagonal blocks to their masters', e^2 K_ss. The coupling of a follower with others is
+  left out, since it would need all entries of the matrix.
 */
 static void ExtendBlocks(const MpmConstraints *constraints, const MpmSpace *space, PetscReal blocks[])
 {

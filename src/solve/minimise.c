@@ -1,12 +1,12 @@
 /*
-  A step as a minimisation: the objective, and what the line search makes of it.
+  A step as a minimisation: the objective, and its use in the line search.
 
-  The residual is the objective's derivative, so that G . Y at both ends of a step tells how it changes on the way. Where the slope at
-  the end is small beside that at the start the objective has fallen by about half of the first; it is evaluated where slopes leave a
-  doubt. A change within rounding is none.
+  The residual is the objective's derivative, so that G . Y at both ends of a step shows its change along the step.
+  Where the slope at the end is small beside that at the start the objective has fallen by about half of the first; it
+  is evaluated where slopes leave a doubt. A change within rounding is none.
 
-  Sources: Armijo (1966), Pacific J. Math. 16, 1-3, doi:10.2140/pjm.1966.16.1; Nocedal, Wright (2006), Numerical Optimization, 2nd edition,
-  Springer, chapter 3 (backtracking by interpolation).
+  Sources: Armijo (1966), Pacific J. Math. 16, 1-3, doi:10.2140/pjm.1966.16.1; Nocedal, Wright (2006), Numerical
+  Optimization, 2nd edition, Springer, chapter 3 (backtracking by interpolation).
 */
 #include "problem/potential.h"
 #include "solve/line_search.h"

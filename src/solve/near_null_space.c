@@ -42,7 +42,7 @@ static void SetMode(const MpmLayout *layout, PetscInt k, const PetscReal x[], Pe
     if (layout->near_null[c] == MPM_NEAR_NULL_CONSTANT && at++ == k) mode[c] = 1.;
 }
 
-/* The same mode at the terms' own nodes. */
+/* Sets the mode at the terms' own nodes. */
 static void SetOwnModes(const MpmSolver *solver, PetscInt k, PetscScalar values[])
 {
   const MpmSpace *space = solver->disc->space;
@@ -58,8 +58,8 @@ static void SetOwnModes(const MpmSolver *solver, PetscInt k, PetscScalar values[
 }
 
 /*
-  Modes of little energy for multigrid. Constrained unknowns do not move, so the modes are zero there; what is left is made
-  orthonormal.
+  Modes of little energy for multigrid. Constrained unknowns do not move, so the modes are zero there; the remaining
+  values are made orthonormal.
 */
 PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
 {

@@ -105,9 +105,9 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
 }
 
 /*
-  Will the last Jacobian do? With it the residual goes on falling by about its last factor, since that factor is the
-  distance of the last iterate; a new one squares it. So the old one is kept for one iteration where that brings the
-  residual to its tolerance with some room.
+  Decides whether to reuse the Jacobian: modified Newton reduces the residual by the last factor again, since that
+  factor is the distance of the last iterate; a new Jacobian squares it. The old one is kept for one iteration where
+  that brings the residual to its tolerance with some margin.
 */
 static PetscBool LastWillDo(const MpmSolver *solver, PetscInt it, PetscReal fnorm, PetscReal target)
 {

@@ -1,18 +1,18 @@
 /*
-  PC type `band`: a direct solver for symmetric positive definite matrices that are narrow once they are ordered well, as
-  those of beams, columns and slopes on few ranks are. LAPACK's band Cholesky has less to do there than a multifrontal
-  solver has to administer.
+  PC type `band`: a direct solver for symmetric positive definite matrices that are narrow once they are ordered well,
+  as those of beams, columns and slopes on few ranks are. LAPACK's band Cholesky has less to do there than a
+  multifrontal solver has to administer.
 
   A rank's unknowns that have neighbours on a higher rank are its border; without the borders the ranks' matrices A_r do
   not touch each other. With G the border's unknowns of all ranks, B_r = A_rG and A_r = L_r L_r^T
 
     W_r = L_r^{-1} B_r ,   S = A_GG - sum_r W_r^T W_r ,
 
-  each rank factorises its band and all of them the small dense S, which is summed by MPI. The order starts at what
-  touches the border, which thus comes last: W_r is zero but in its last rows.
+  each rank factorises its band and all of them the small dense S, which is summed by MPI. The order starts at nodes
+  that touch the border, which thus come last: W_r is zero but in its last rows.
 
-  Where the band or the border is too wide, or the matrix is not positive definite, Cholesky by MUMPS takes over. Needs an
-  AIJ matrix that is symmetric, of which it reads one triangle.
+  Where the band or the border is too wide, or the matrix is not positive definite, Cholesky by MUMPS takes over. Needs
+  an AIJ matrix that is symmetric, of which it reads one triangle.
 
   Sources: Cuthill and McKee (1969), doi:10.1145/800195.805928; Przemieniecki (1963), substructures, AIAA J. 1, 138-147.
 */
@@ -38,8 +38,8 @@ typedef struct {
   PetscObjectState pattern; /* and its state */
   PetscScalar     *value;   /* band, border, corner, and one more: of the ranks' factors, how many failed */
   PetscScalar     *work;    /* a right-hand side in the band's order, and that of the border */
-  PC               whole;   /* what takes over, once it had to */
-  PetscBool        taken;   /* has it, for the matrix as it is? */
+  PC               whole;   /* the substitute, once needed */
+  PetscBool        taken;   /* the substitute serves for the present matrix */
 } Band;
 
 static PetscErrorCode Reset(Band *band)
@@ -120,7 +120,7 @@ static PetscErrorCode Factor(PC pc, Band *band, Mat A, PetscBool *positive)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PETSc takes no other matrix into a factor of MUMPS that has failed, and solves with it all the same: INFOG(1) = -3. */
+/* A failed factor of MUMPS: PETSc takes no other matrix into it, and solves with it all the same: INFOG(1) = -3. */
 static PetscErrorCode DestroyFailed(PC *whole)
 {
   PCFailedReason reason;

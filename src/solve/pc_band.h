@@ -24,7 +24,7 @@ PetscErrorCode MpmBandParts(Mat A, Mat part[2], const PetscInt *columns[]);
 PetscErrorCode MpmBandOrderCreate(Mat A, MpmBandOrder *order);
 PetscErrorCode MpmBandOrderDestroy(MpmBandOrder *order);
 
-/* Makes the type known to PETSc; and is this a solver of that type? */
+/* Makes the type known to PETSc; true for a solver of that type. */
 PetscErrorCode MpmBandRegister(void);
 PetscErrorCode MpmBandIs(PC pc, PetscBool *is);
 /* MUMPS, where it has taken over; NULL where the band's Cholesky has done, so that the matrix is positive definite. */

@@ -1,11 +1,11 @@
 /*
-  The order for band Cholesky (pc_band.c): fronts that walk through the rank's nodes from those that touch a border, or from
-  an end. A node is a block of the matrix.
+  The order for band Cholesky (pc_band.c): fronts that walk through the rank's nodes from those that touch a border, or
+  from an end. A node is a block of the matrix.
 
   The walk is breadth-first, and another one goes back from its last front: the difference of the two distances grows
-  evenly along a strip, where one distance alone bends with the grid's axes. Stencils reach over several layers of nodes,
-  so that a front is as thick as that; among equals the nodes come by how many neighbours they have behind and ahead, as
-  finer layers would. The reverse is the order.
+  evenly along a strip, where one distance alone bends with the grid's axes. Stencils reach over several layers of
+  nodes, so that a front is as thick as that. Among equals the nodes are ordered by the number of their neighbours
+  behind and ahead, as finer layers would. The reverse is the order.
 */
 #include "solve/pc_band.h"
 
@@ -18,7 +18,7 @@ typedef struct {
   PetscInt        nodes, bs;
   const PetscInt *row[2], *column[2]; /* of the two parts, by unknowns */
   PetscInt       *front;              /* of each node, or UNSEEN, BORDER */
-  PetscInt       *back;               /* the same, from the other end; or UNSEEN */
+  PetscInt       *back;               /* distance from the other end; or UNSEEN */
   PetscInt       *walk, seen;         /* nodes in the order of the walk, and how many so far */
 } Walk;
 
@@ -180,7 +180,7 @@ static PetscErrorCode Sort(Walk *walk, PetscInt begin)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does a node touch a border, its own rank's or another's? */
+/* True where a node touches a border, its own rank's or another's. */
 static PetscBool TouchesBorder(const Walk *walk, PetscInt node)
 {
   const PetscInt row = node * walk->bs;
@@ -254,7 +254,7 @@ static PetscErrorCode PlaceColumns(Mat other, const PetscInt columns[], const Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How far the band reaches from the diagonal, and where the border's rows begin; is all of it narrow enough? */
+/* Width of the band, and start of the border's rows; checks that both are narrow enough. */
 static PetscErrorCode Measure(Mat A, const Walk *walk, const PetscInt *const place[2], MpmBandOrder *order)
 {
   PetscInt wide = 0;
@@ -311,7 +311,7 @@ static PetscErrorCode MapEntries(const Walk *walk, const PetscInt *const place[2
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Can the band be narrow enough at all? The longest row says no before any walk. */
+/* True where the band can be narrow enough; the longest row excludes it before any walk. */
 static PetscErrorCode MayFit(Mat A, const Walk *walk, PetscInt count, PetscBool *may)
 {
   PetscInt longest = 0;

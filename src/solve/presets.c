@@ -26,7 +26,7 @@ static PetscErrorCode OptionDefault(const char *name, const char *value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same, with another value in steps in which nothing touches; NULL: none. */
+/* Sets an option, with another value in steps in which nothing touches; NULL: none. */
 static PetscErrorCode OptionAtRest(MpmSolver *solver, const char *name, const char *at_rest, const char *touching)
 {
   PetscBool set;
@@ -65,8 +65,9 @@ static PetscErrorCode ApplyPreset(const char *text)
 }
 
 /*
-  Direct solvers win below these numbers of unknowns: time and memory grow as their power 3/2 in 2D and 2 in 3D. Measured
-  over two steps and more, since points on the lattice make rows half as long as later (docs/solver.md has the table).
+  Direct solvers win below these numbers of unknowns: time and memory grow as their power 3/2 in 2D and 2 in 3D.
+  Measured over two steps and more, since points on the lattice make rows half as long as later (docs/solver.md has the
+  table).
 */
 #define DIRECT_MOST_2D      1e6
 #define DIRECT_MOST_3D      5e3
@@ -74,7 +75,7 @@ static PetscErrorCode ApplyPreset(const char *text)
 #define DIRECT_MOST_PORO_2D 2e4
 #define DIRECT_MOST_PORO_3D 5e3
 
-/* What `auto` takes, and why. */
+/* Choice of `auto`, and its reason. */
 static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const char **name)
 {
   PetscReal most = solver->disc->dim == 2 ? DIRECT_MOST_2D : DIRECT_MOST_3D;
@@ -104,10 +105,10 @@ static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const 
 }
 
 /*
-  What the direct preset cannot know: whether the Jacobian is symmetric, and how large. Small ones may be narrow enough
-  for the band solver (pc_band.c), which finds out by itself; not where the user names a package. Of MUMPS' scalings for
-  symmetric matrices that by the diagonal costs least. In 2D, below this size, quasi-dense minimum degree (QAMD) beats
-  nested dissection, and the last front is too small to be shared out by ScaLAPACK.
+  Settings of the direct preset that depend on the Jacobian: symmetry and size. Small ones may be narrow enough for the
+  band solver (pc_band.c), which tests that; not where the user names a package. Of MUMPS' scalings for symmetric
+  matrices that by the diagonal costs least. In 2D, below this size, quasi-dense minimum degree (QAMD) beats nested
+  dissection, and the last front is too small to be shared out by ScaLAPACK.
 */
 #define SMALL_IN_2D 5e4
 
@@ -144,12 +145,12 @@ static PetscErrorCode TuneDirect(MpmSolver *solver, PetscReal unknowns)
 }
 
 /*
-  What the amg preset takes where the Jacobian is not symmetric: ILU(0) in Chebyshev's method, over a range of eigenvalues
-  wide enough for the soft modes of perfectly plastic points (docs/solver.md has the table). GMRES is preconditioned from
-  the right: it then sees the residual itself, where a Jacobian is almost singular, too. The graph keeps weak couplings,
-  since aggregates of one or two nodes make singular blocks; a shift in N/m, far below a node's stiffness, steps over those.
-  A smoother or a Krylov method that the user names has its own. The stiff couplings of contacts throw Chebyshev's method with
-  ILU off its range: SOR smooths there.
+  The amg preset where the Jacobian is not symmetric: ILU(0) in Chebyshev's method, over a range of eigenvalues wide
+  enough for the soft modes of perfectly plastic points (docs/solver.md has the table). GMRES is preconditioned from the
+  right: it then uses the residual itself, where a Jacobian is almost singular, too. The graph keeps weak couplings,
+  since aggregates of one or two nodes make singular blocks; a shift in N/m, far below a node's stiffness, steps over
+  those. A smoother or a Krylov method that the user names has its own. The stiff couplings of contacts move Chebyshev's
+  method with ILU off its range: SOR smooths there.
 */
 static PetscErrorCode TuneMultigrid(MpmSolver *solver, PetscBool contacts)
 {
@@ -175,8 +176,9 @@ static PetscErrorCode TuneMultigrid(MpmSolver *solver, PetscBool contacts)
 }
 
 /*
-  The pressure's multigrid: BoomerAMG where PETSc has it, which jumps of permeability by many orders do not disturb. And the
-  displacement's where there is contact, whose stiff couplings of many nodes Jacobi's method does not smooth: ILU(0), shifted as above.
+  The pressure's multigrid: BoomerAMG where PETSc has it, which jumps of permeability by many orders do not disturb. The
+  displacement's multigrid where there is contact, whose stiff couplings of many nodes Jacobi's method does not smooth:
+  ILU(0), shifted as above.
 */
 static PetscErrorCode TuneFieldsplit(PetscBool contacts)
 {
@@ -219,7 +221,7 @@ static PetscErrorCode CheckSuits(const MpmSolver *solver)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Do forces show whether anything touches? Not where a boundary holds. */
+/* True where forces show whether anything touches: not with a bilateral boundary. */
 static PetscBool ServesAtRest(const MpmSolver *solver)
 {
   if (MpmTermsTraits(solver->disc->terms) & MPM_TERM_BILATERAL) return PETSC_FALSE;
@@ -228,9 +230,9 @@ static PetscBool ServesAtRest(const MpmSolver *solver)
 }
 
 /*
-  Steps of motion add up what each leaves, and small reactions of a contact stand beside large ones: to PETSc's 1e-8 they would differ by 1e-7 with
-  the number of ranks. A direct solver's last iteration goes far below that anyway; with the preconditioner kept, another iteration or two of multigrid
-  cost 10 % of a step.
+  Errors of steps of motion add up, and small reactions of a contact stand beside large ones: with PETSc's 1e-8 results
+  would differ by 1e-7 with the number of ranks. A direct solver's last iteration goes far below that anyway; with the
+  preconditioner kept, another iteration or two of multigrid cost 10 % of a step.
 */
 #define RTOL_TIGHT "1e-12"
 

@@ -6,7 +6,7 @@
 #include "base/types.h"
 #include "talus/talus.h"
 
-/* What a run does at an equilibrium that is not stable. */
+/* Action of a run at an equilibrium that is not stable. */
 typedef enum { MPM_UNSTABLE_AUTO, MPM_UNSTABLE_STOP, MPM_UNSTABLE_FOLLOW } MpmUnstable;
 
 /* A vector's values as they were at some time: PETSc counts every change. */
@@ -15,7 +15,7 @@ typedef struct {
   PetscObjectState state;
 } MpmPlace;
 
-/* What a step of several fields refers each one's residual to (field_norms.c). */
+/* References of each field's residual in a step of several fields (field_norms.c). */
 typedef struct {
   PetscReal reference[MPM_MAX_BLOCK];
   PetscReal rounding[MPM_MAX_BLOCK]; /* diagonal times values: what rounding is a part of */
@@ -24,14 +24,14 @@ typedef struct {
 
 /* Where a step is a minimisation (minimise.c): its objective where the last line search ended. */
 typedef struct {
-  PetscBool on;    /* it is */
-  PetscBool known; /* has that line search evaluated it? */
+  PetscBool on;    /* the step is a minimisation */
+  PetscBool known; /* evaluated by the last line search */
   MpmPlace  at;
   PetscReal value; /* J */
 } MpmMinimisation;
 
 /*
-  What Newton's evaluations leave for one another: residual and Jacobian of one place may come from one pass, and a Jacobian
+  Results shared between Newton's evaluations: residual and Jacobian of one place may come from one pass, and a Jacobian
   may serve for more than one iteration.
 */
 typedef struct {
@@ -39,13 +39,13 @@ typedef struct {
   PetscBool         assembled; /* the matrix holds the Jacobian of the last solve */
   PetscReal         reference; /* residual of the step at zero displacement */
   PetscBool         predicted; /* Newton starts from the increment extrapolated from the last steps */
-  PetscBool         lag;       /* may a Jacobian serve for more than one iteration? */
-  PetscBool         lagged;    /* has the last one? */
+  PetscBool         lag;       /* a Jacobian may serve for more than one iteration */
+  PetscBool         lagged;    /* the last Jacobian did */
   PetscBool         solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
   PetscBool         ahead;     /* a Jacobian will follow the next residual at the same place: both in one pass */
   PetscReal         fnorm_last;
   PetscBool         rough;    /* this tolerance will do: contact's pressures are yet to be corrected */
-  PetscBool         hasty;    /* Newton's method is given up when it gets nowhere: it will be tried in another way */
+  PetscBool         hasty;    /* stop on stagnation; another strategy follows */
   PetscReal         least;    /* the least residual so far, or 10 % more, */
   PetscInt          least_at; /* and after how many iterations */
   PetscInt          balances; /* iterations that only the balance of what pushes asked for */
@@ -73,11 +73,11 @@ typedef struct {
 
 #define MPM_AT_REST 4
 /*
-  Contact alone makes the Jacobian unsymmetric: steps in which nothing touches are solved as those of a scene without it. Options that
-  differ then; NULL: none.
+  Contact alone makes the Jacobian unsymmetric: steps in which nothing touches are solved as those of a scene without
+  it. Options that differ then; NULL: none.
 */
 typedef struct {
-  PetscBool serves, now; /* is there contact that does so; is the present solver the one of such a step? */
+  PetscBool serves, now; /* there is such a contact; the present solver is that of a step at rest */
   PetscBool touched;     /* at one of the step's iterates */
   PetscInt  count;
   struct {
@@ -96,7 +96,7 @@ typedef struct {
   MpmAtRest          at_rest;
   char               mat_type[64], vec_type[64];
   PetscBool      may_be_indefinite; /* CG was `auto`'s choice: GMRES takes over where the Jacobian loses definiteness */
-  PetscBool      indefinite;        /* it has */
+  PetscBool      indefinite;        /* definiteness was lost */
   PetscBool      factorises;        /* the preconditioner is a direct solver */
   SNES           snes;
   Mat            jacobian;      /* assembled; NULL when the preconditioner does without it */
@@ -109,8 +109,8 @@ typedef struct {
   MpmEvaluations cache;
   MpmExcursion   excursion;
   struct {
-    MpmUnstable choice; /* what to do where the tangent loses definiteness */
-    PetscBool   told;   /* it has, and that was said */
+    MpmUnstable choice; /* action where the tangent loses definiteness */
+    PetscBool   told;   /* a loss was reported */
   } unstable;
   PetscInt   newton, linear;
   PetscInt64 newton_total, linear_total;
@@ -120,8 +120,8 @@ typedef struct {
 PetscErrorCode MpmJacobianColoring(const MpmTerms *terms, const MpmSum *sum, MpmJacobianType type, const PetscReal u[],
                                    MpmPattern *pattern, PetscInt *failed);
 /*
-  The Jacobian of the present step as a shell matrix, with or without tangents kept (mat_points.c). It must not
-  outlive the step's space.
+  The Jacobian of the present step as a shell matrix, with or without tangents kept (mat_points.c), valid within the
+  step's space.
 */
 PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J);
 PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
@@ -134,27 +134,27 @@ PetscErrorCode MpmNewtonConverged(SNES snes, PetscInt it, PetscReal xnorm, Petsc
 PetscErrorCode MpmNewtonAttach(MpmSolver *solver);
 PetscErrorCode MpmNewtonSetMats(MpmSolver *solver);
 PetscErrorCode MpmExcursionEnd(MpmExcursion *excursion);
-/* Is any contact near enough to act in this step? The same on all ranks. */
+/* True where any contact is near enough to act in this step. Equal on all ranks. */
 PetscBool MpmSolverHasContact(const MpmSolver *solver);
-/* Sums the residual of disc->u over the points, force included, and leaves it with the nodes' owners, along the axes. */
+/* Sums the residual of disc->u over the points, force included; leaves it with the nodes' owners, along the axes. */
 PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed);
 /* Brings the solution vector to the local nodes, ghosts included. */
 PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x);
 /* Bodies that the iterate x has left far from balance come to rest on its material; `last`: the one before, or NULL. */
 PetscErrorCode MpmRelaxBodies(MpmSolver *solver, Vec last, Vec x);
 /*
-  Several fields (field_norms.c). Norms: of each field's part of a vector, in the solver's units. SetReference: f is the residual at
-  the step's start. Learn: what Newton's first iteration, from x along -y, shows the fields to do to one another.
-  Converged: how far the residual is above the tolerance of the field that is furthest, <= 1: converged; `floor` is what
-  rounding makes of the displacement's equations.
+  Several fields (field_norms.c). Norms: of each field's components of a vector, in the solver's units. SetReference: f
+  is the residual at the step's start. Learn: mutual action of the fields from Newton's first iteration, from x along
+  -y. Converged: ratio of the residual to the tolerance of the field that is furthest, <= 1: converged; `floor` is the
+  rounding error of the displacement's equations.
 */
 PetscErrorCode MpmFieldNorms(const MpmSolver *solver, Vec v, PetscReal norm[]);
 PetscErrorCode MpmFieldsSetReference(MpmSolver *solver, Vec f);
 PetscErrorCode MpmFieldsLearn(MpmSolver *solver, Vec x, Vec y);
 PetscErrorCode MpmFieldsConverged(MpmSolver *solver, Vec f, PetscReal rtol, PetscReal floor, PetscReal *excess);
 /*
-  PCFIELDSPLIT (fieldsplit.c). Serves: are there a displacement and one unknown beside it? Attach: tells a new preconditioner of that
-  kind which unknowns its blocks have. Update: what goes with a new Jacobian.
+  PCFIELDSPLIT (fieldsplit.c). Serves: true for a displacement and one unknown beside it. Attach: sets the unknowns of
+  the blocks of a new preconditioner of that kind. Update: data that go with a new Jacobian.
 */
 PetscBool      MpmFieldsplitServes(const MpmLayout *layout);
 PetscErrorCode MpmFieldsplitAttach(MpmSolver *solver);
@@ -163,8 +163,8 @@ PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split);
 /* The residual that tolerances refer to: that at the step's start. */
 PetscErrorCode MpmSolverSetReference(MpmSolver *solver, Vec f);
 /*
-  Presets (presets.c). Name: of preset k, NULL beyond the last one. Apply: settles `auto` for about so many unknowns, and sets the
-  preset's options.
+  Presets (presets.c). Name: of preset k, NULL beyond the last one. Apply: settles `auto` for about so many unknowns,
+  and sets the preset's options.
 */
 #define MPM_PRESETS_MOST 16
 const char    *MpmPresetName(PetscInt k);
@@ -173,12 +173,12 @@ PetscErrorCode MpmPresetApply(MpmSolver *solver, PetscReal unknowns, PetscBool i
 PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *options);
 /* Rows of the state (base/rows.h). */
 PetscErrorCode MpmSolverAddRows(MpmSolver *solver, MpmRows *rows);
-/* Settles `auto` for about so many unknowns, and applies the preset; have some of the steps inertia? */
+/* Settles `auto` for about so many unknowns, and applies the preset; `inertia`: some of the steps have it. */
 PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns, PetscBool inertia);
 PetscErrorCode MpmSolverSetUp(MpmSolver *solver);
 /*
-  Which solver suits: as a step `begins`, by what the last one was; otherwise by whether anything touches at the local unknowns
-  disc->u, for whose Jacobian KSP and PC are then made ready. Collective.
+  Selects the solver: as a step `begins`, by that of the last one; otherwise by whether anything touches at the local
+  unknowns disc->u, for whose Jacobian KSP and PC are then prepared. Collective.
 */
 PetscErrorCode MpmSolverMindContact(MpmSolver *solver, PetscBool begins);
 /* A solver for another problem, with the same settings and objects of its own. */
@@ -186,8 +186,8 @@ PetscErrorCode MpmSolverDuplicate(const MpmSolver *solver, MpmDiscretization *di
                                   MpmSolver *copy);
 PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver);
 /*
-  In place of x, which has what is prescribed and else zeros, the solution of the problem linearised at zero (linear_start.c); `made`:
-  there is one. One field, nothing in contact.
+  Replaces x, which has prescribed values and else zeros, by the solution of the problem linearised at zero
+  (linear_start.c); `made`: there is one. One field, nothing in contact.
 */
 PetscErrorCode MpmSolverStartLinear(MpmSolver *solver, Vec x, PetscBool *made);
 PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason);
@@ -195,8 +195,9 @@ PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason);
 PetscErrorCode MpmSolverRenew(MpmSolver *solver);
 PetscErrorCode MpmSolverDestroy(MpmSolver *solver);
 /*
-  Loss of definiteness (stability.c). Check: is the equilibrium just found a stable one? If not, the outcome is a failure, with the
-  place, unless the scene wants to follow it. Explain: adds to the reason for which a step has failed, where that is one.
+  Loss of definiteness (stability.c). Check: tests the stability of the equilibrium just found. If it is unstable, the
+  outcome is a failure, with the place, unless the scene follows it. Explain: extends the reason of a failed step, where
+  this is one.
 */
 PetscErrorCode MpmStabilityRead(MpmSolver *solver, const MpmOptions *options);
 PetscBool      MpmStabilityWanted(const MpmSolver *solver);

@@ -43,7 +43,7 @@ static PetscErrorCode CreateSNES(MpmSolver *solver)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does PETSc know the type? One of the objects is made and thrown away. */
+/* True where PETSc knows the type: one of the objects is made and destroyed. */
 static PetscErrorCode KnowsType(MpmSolver *solver, const char *kind, const char *type, PetscBool *known)
 {
   PetscErrorCode error;
@@ -145,7 +145,8 @@ PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *opti
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Solver, vectors and matrix for a new pattern. GAMG of PETSc 3.18 cannot be reset to another size: all are made again. */
+/* Solver, vectors and matrix for a new pattern. GAMG of PETSc 3.18 cannot be reset to another size: all are made
+   again. */
 static PetscErrorCode CreateObjects(MpmSolver *solver)
 {
   PetscFunctionBeginUser;
@@ -239,8 +240,8 @@ PetscErrorCode MpmSolverRenew(MpmSolver *solver)
 #define WORKSPACE_MOST 1600
 
 /*
-  MUMPS orders its workspace by an estimate without pivots, and gives up where these need more. Has it, for the first
-  time or with less than what may be tried? Then solvers made from here on have four times as much to add.
+  MUMPS orders its workspace by an estimate without pivots, and gives up where these need more. `raised`: it has, for
+  the first time or with less than the allowed maximum; solvers made from here on then have four times as much to add.
 */
 static PetscErrorCode RaiseWorkspace(MpmSolver *solver, PetscBool *raised)
 {

@@ -1,16 +1,16 @@
 /*
-  Is the equilibrium that a step has found a stable one?
+  Stability of the equilibrium that a step has found.
 
-  Where no material has a history, the tangent of a symmetric problem is the second derivative of its energy. Once it is no
-  longer positive definite there is more than one equilibrium near by, and the one that Newton finds is none that the
-  material would take: the surface of rubber wrinkles, a column buckles (Hill 1958, doi:10.1016/0022-5096(58)90029-2; Biot
-  1963, doi:10.1007/BF03184980, for the surface of a half-space). Newton alone does not notice: a uniform block stays
-  uniform. By Sylvester's law the factors of a direct solver have as many negative pivots as the tangent has negative
-  eigenvalues, so that looking costs nothing; CG comes upon a negative curvature by itself. Only then is the tangent made once
-  more, at the solution, and the mode looked for by inverse iteration, A v_{k+1} = D v_k with D = |diag A|, which finds
-  the eigenvalue nearest to zero.
+  Where no material has a history, the tangent of a symmetric problem is the second derivative of its energy. Once it is
+  no longer positive definite there is more than one equilibrium near by, and that found by Newton's method is unstable:
+  the surface of rubber wrinkles, a column buckles (Hill 1958, doi:10.1016/0022-5096(58)90029-2; Biot 1963,
+  doi:10.1007/BF03184980, for the surface of a half-space). Newton's method alone cannot detect this: a uniform block
+  stays uniform. By Sylvester's law the factors of a direct solver have as many negative pivots as the tangent has
+  negative eigenvalues, so that the test is free; CG meets a negative curvature. Only then is the tangent made once
+  more, at the solution, and the mode found by inverse iteration, A v_{k+1} = D v_k with D = |diag A|, which finds the
+  eigenvalue nearest to zero.
 
-  A law with a history flows: at a limit load its tangent has lost definiteness by nature, and nothing is said.
+  A law with a history flows: at a limit load its tangent has lost definiteness by nature, and nothing is reported.
 */
 #include "base/outcome.h"
 #include "options/options.h"
@@ -45,7 +45,7 @@ PetscErrorCode MpmStabilityRead(MpmSolver *solver, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does definiteness mean stability here? */
+/* True where definiteness means stability. */
 static PetscBool Applies(const MpmSolver *solver)
 {
   for (PetscInt m = 0; m < solver->disc->material_count; m++)
@@ -53,7 +53,7 @@ static PetscBool Applies(const MpmSolver *solver)
   return (PetscBool)(solver->symmetric && solver->disc->layout->solid);
 }
 
-/* Does the run end where stability does? */
+/* True where the run ends at a loss of stability. */
 static PetscBool Stops(const MpmSolver *solver)
 {
   PetscBool locks = PETSC_FALSE;
@@ -214,7 +214,7 @@ PetscErrorCode MpmStabilityCheck(MpmSolver *solver, MpmOutcome *outcome)
   if (lost) PetscCall(Describe(solver, "this equilibrium is not a stable one", mode, outcome));
   PetscCall(VecDestroy(&mode));
   cg = (PetscBool)(solver->indefinite && !lost);
-  if (cg) { /* it was on the way only: CG will find the next one */
+  if (cg) { /* only in an intermediate iterate: CG will find the next one */
     solver->indefinite        = PETSC_FALSE;
     solver->may_be_indefinite = PETSC_TRUE;
     PetscCall(MpmSolverRenew(solver));

@@ -34,7 +34,7 @@ static inline NodeMap *MapOf(const MpmSpace *space, NodeMap maps[], const PetscI
   return &maps[MpmSpacePart(space, node)];
 }
 
-/* The same for a box. */
+/* The map of a box. */
 static inline NodeMap *MapOfBox(const MpmSpace *space, NodeMap maps[], PetscInt box)
 {
   const MpmGroup *group = &space->groups[box];

@@ -89,7 +89,7 @@ PetscErrorCode MpmDisplacementsAtPoints(const MpmSum *sum, const PetscReal u[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is a place in the grid? Rounding at the edge is forgiven. */
+/* True where a place is in the grid, but for rounding at the edge. */
 static PetscBool IsInside(const MpmGrid *grid, const PetscReal x[])
 {
   for (PetscInt a = 0; a < grid->dim; a++) {
@@ -117,8 +117,9 @@ static void FindLongest(const MpmSum *sum, const PetscReal displacement[], Petsc
 #define FURTHER 3. /* than any node that it touches no point moves further, times this, by any shape */
 
 /*
-  Can no point of a group reach the grid's edge? They lie between its nodes. `longest` bounds by how much any node moves along each axis;
-  `reach` becomes by how much the group's own do, or 0 along axes on which its points are too far from an edge.
+  True where no point of a group can reach the grid's edge. Points lie between the group's nodes. `longest` bounds the
+  motion of any node along each axis; `reach` becomes the bound of the group's own nodes, or 0 along axes on which its
+  points are too far from an edge.
 */
 static PetscBool GroupIsFar(const MpmSum *sum, const MpmGroup *group, const PetscReal u[], const PetscReal longest[],
                             PetscReal reach[])
@@ -147,7 +148,7 @@ static PetscBool GroupIsFar(const MpmSum *sum, const MpmGroup *group, const Pets
   return far;
 }
 
-/* The same of a point. */
+/* GroupIsFar() of a point. */
 static PetscBool PointIsFar(const MpmGrid *grid, const PetscReal x[], const PetscReal reach[])
 {
   for (PetscInt a = 0; a < grid->dim; a++)

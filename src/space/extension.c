@@ -53,7 +53,7 @@ typedef struct {
   const MpmRules *rules;
   MpmSpace       *space;
   MpmPieces       pieces;
-  char           *well; /* per piece: is it well filled? */
+  char           *well; /* per span: well filled */
   PetscInt       *box;  /* per piece: the appended box of its nodes, or -1 */
   Marks           marks;
 } Search;
@@ -215,7 +215,7 @@ static PetscInt FindNearest(const Search *search, const PetscInt node[], PetscIn
   return count;
 }
 
-/* What is found before the nodes have numbers. */
+/* Results before the nodes have numbers. */
 typedef struct {
   PetscInt count, capacity;      /* followers */
   PetscInt (*node)[MPM_MAX_DIM]; /* their lattice indices */

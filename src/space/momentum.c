@@ -1,13 +1,13 @@
 /*
   Mass and momentum between points and nodes.
 
-  The affine part of a point's velocity, dim x dim numbers, is the moment
+  The affine velocity of a point, dim x dim numbers, is the moment
 
     B_ab = sum_i w_i v_i,a (x_i - x_p)_b ,      C_ab = B_ab / D_b ,    D_b = sum_i w_i (x_i - x_p)_b^2
 
-  for splines of degree 2 and 3, whose D hardly depends on the point's place: the angular momentum that B holds is kept when
-  D changes with the point's domain. With linear basis functions D goes from 0 to h^2/4 within a cell; there the gradient C
-  itself is carried, and a rotation stays one. D is diagonal, for weights are products and reproduce linear fields.
+  for splines of degree 2 and 3, whose D hardly depends on the point's place: the angular momentum of B is kept when D
+  changes with the point's domain. With linear basis functions D goes from 0 to h^2/4 within a cell; there the gradient
+  C itself is carried, and a rotation stays one. D is diagonal, for weights are products and reproduce linear fields.
 */
 #include "point/layout.h"
 #include "point/material.h"
@@ -78,10 +78,10 @@ PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmM
 }
 
 /*
-  ---- what goes back to the points, and what an explicit step carries to the nodes ----
+  ---- return to the points, and explicit transfer to the nodes ----
 
-  The numbers of a node stand side by side in vectors of the processor: a point touches few nodes on an axis, and there are as
-  many numbers.
+  The numbers of a node stand side by side in vectors of the processor: a point touches few nodes on an axis, and there
+  are as many numbers.
 */
 MPM_INLINE Slim Load(PetscInt dim, const PetscReal v[])
 {
@@ -93,7 +93,8 @@ typedef struct {
   Slim moving, force;
 } Sums;
 
-/* V_0 tau, or for a small-strain law what its derivatives by the initial position become by the present one: a force's stress. */
+/* Stress of a force: V_0 tau, or for a small-strain law with derivatives by the present position in place of the
+   initial one. */
 MPM_INLINE void PointStress(const MpmKnown known, const MpmSum *sum, PetscInt p, Slim P[])
 {
   const MpmPoints *points = sum->points;
@@ -113,7 +114,8 @@ MPM_INLINE void PointStress(const MpmKnown known, const MpmSum *sum, PetscInt p,
     for (PetscInt b = 0; b < dim; b++) P[b] = sigma[b] * (volume * MpmDeterminant(dim, F));
 }
 
-/* What one point gives its nodes: momentum, with its mass behind it, the derivatives of that, and what makes its force. */
+/* Contributions of one point to its nodes: momentum, followed by its mass, their derivatives, and the stress of its
+   force. */
 typedef struct {
   Slim momentum, slope[MPM_MAX_DIM], P[MPM_MAX_DIM];
 } Carried;

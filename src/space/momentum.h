@@ -1,14 +1,14 @@
 #pragma once
 /*
-  Mass and momentum between points and nodes: what dynamics carries from step to step (momentum.c).
+  Mass and momentum between points and nodes, carried from step to step in dynamics (momentum.c).
 
-  A point has a velocity and, with APIC, an affine part of it. Both ways momentum is kept to rounding; angular momentum is,
-  too, with APIC and splines of degree 2 and more. FLIP hands back only what a step has changed:
+  A point has a velocity and, with APIC, an affine velocity. Momentum is kept to rounding both ways; so is angular
+  momentum with APIC and splines of degree 2 and more. FLIP returns only the change in a step:
 
     v_p <- (1 - pic) (v_p + sum_i w_i (v_i^{n+1} - v_i^n)) + pic sum_i w_i v_i^{n+1}
 
-  Source: Jiang, Schroeder, Teran (2017), J. Comput. Phys. 338, 137-164, doi:10.1016/j.jcp.2017.02.050 (APIC); Brackbill,
-  Ruppel (1986), J. Comput. Phys. 65, 314-343, doi:10.1016/0021-9991(86)90211-1 (FLIP).
+  Source: Jiang, Schroeder, Teran (2017), J. Comput. Phys. 338, 137-164, doi:10.1016/j.jcp.2017.02.050 (APIC);
+  Brackbill, Ruppel (1986), J. Comput. Phys. 65, 314-343, doi:10.1016/0021-9991(86)90211-1 (FLIP).
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -23,8 +23,8 @@ typedef struct {
 } MpmTransfer;
 
 /*
-  Mass (kg), and velocity (m/s) and acceleration (m/s2) weighted by it, at all local nodes, ghosts included; dim values a
-  node; `acceleration` may be NULL. Nodes without mass are at rest.
+  Mass (kg), and velocity (m/s) and acceleration (m/s2) weighted by it, at all local nodes, ghosts included; dim values
+  a node; `acceleration` may be NULL. Nodes without mass are at rest.
 */
 PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[],
                                   PetscReal velocity[], PetscReal acceleration[]);

@@ -1,20 +1,20 @@
 #pragma once
 /*
-  What a step hands back to the points, and what an explicit one carries to the nodes, a pass over the points each (momentum.c).
+  Transfer from a step to the points, and of an explicit step to the nodes, a pass over the points each (momentum.c).
 */
 #include "base/base.h"
 #include "base/types.h"
 #include "space/momentum.h"
 
 /*
-  Mass (kg) and velocity (m/s) at all local nodes, ghosts included; and added to `force`, of which each rank has its part of the
-  loads, what the points push with, - sum_p V_p sigma_p grad w_ip in the stress of the step's start, N. Afterwards ghosts have
-  what their owners have. dim values a node; nodes without mass are at rest.
+  Mass (kg) and velocity (m/s) at all local nodes, ghosts included. Adds to `force`, of which each rank has its share of
+  the loads, the internal forces - sum_p V_p sigma_p grad w_ip in the stress of the step's start, N. Afterwards ghosts
+  have their owners' values. dim values a node; nodes without mass are at rest.
 */
 PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[], PetscReal velocity[],
                                 PetscReal force[]);
 
-/* What the second pass takes from the local nodes, dim values each, and what it leaves. */
+/* Input of the second pass from the local nodes, dim values each, and its results. */
 typedef struct {
   const PetscReal *v_old, *v_new, *a_new; /* at the step's start and end; accelerations, or NULL */
   PetscReal       *moves;                 /* of each point: velocity with which it moves, sum_i w_i v_new; or NULL */
@@ -22,18 +22,19 @@ typedef struct {
   const PetscReal *affine; /* in place of v_new for the affine part; or NULL */
   PetscBool        thin;   /* of points on edges of the grid alone */
 } MpmMotionStep;
-/* The points' new velocities and accelerations. Before the points are moved: the weights are those of the step's start. */
+/* New velocities and accelerations of the points. Before the points are moved: the weights are those of the step's
+   start. */
 PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer, const MpmMotionStep *step);
 
 /*
-  y_i = sum_p m_p w_ip a_p at the owned nodes, kg m/s2: the accelerations a_p = sum_j w_jp a_j that points get from those of the local nodes,
-  dim a node, as forces.
+  y_i = sum_p m_p w_ip a_p at the owned nodes, kg m/s2: as forces, the accelerations a_p = sum_j w_jp a_j of the points
+  from those of the local nodes, dim a node.
 */
 PetscErrorCode MpmMotionFeel(const MpmSum *sum, const PetscReal a[], PetscReal y[]);
 
 /*
-  The consistent mass M_ij = sum_p m_p w_ip w_jp over this rank's points, kg: one number for a pair of local nodes, whatever the
-  component. Rows of ghosts hold what this rank adds to them. Nodes that no point touches have empty rows.
+  The consistent mass M_ij = sum_p m_p w_ip w_jp over this rank's points, kg: one number for a pair of local nodes,
+  whatever the component. Rows of ghosts have this rank's contribution. Nodes that no point touches have empty rows.
 */
 typedef struct {
   PetscInt   reach;  /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */

@@ -3,7 +3,7 @@
 */
 #include "space/point_loop.h"
 
-/* The increment's gradient by the new position, I - F_n F_{n+1}^{-1}; under F-bar with the volume change of the cell. */
+/* Gradient of the increment by the new position, I - F_n F_{n+1}^{-1}; under F-bar with the cell's volume change. */
 static void IncrementGradient(PetscInt dim, const PetscReal F_n[], const PetscReal F[], PetscReal gradient[])
 {
   PetscReal       cofactor[MPM_MAX_DIM * MPM_MAX_DIM];
@@ -64,8 +64,8 @@ MPM_INLINE void Interpolate(const MpmKnown known, const MpmSum *sum, PetscInt p,
 }
 
 /*
-  The values of fields with a rate, and their gradients by the new position, dF^{-T} times those by the old one; dF = I +
-  grad du.
+  The values of fields with a rate, and their gradients by the new position, dF^{-T} times those by the old one; dF = I
+  + grad du.
 */
 static void KeepValues(const MpmSum *sum, const MpmGroup *group, PetscInt p, const PetscReal field[],
                        const PetscReal values[], MpmWorkspace *work)

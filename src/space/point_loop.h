@@ -13,8 +13,8 @@
 #include "talus/point/flow.h"
 
 /*
-  What the compiler is told: the layout of a solid, whose block is dim and whose inputs are all derivatives, or of Biot's
-  fields (MPM_PHYSICS_BIOT), and the nodes of a group on each axis.
+  Loop bounds known at compile time: the layout of a solid, whose block is dim and whose inputs are all derivatives, or
+  of Biot's fields (MPM_PHYSICS_BIOT), and the nodes of a group on each axis.
 */
 typedef struct {
   PetscInt  dim, block, inputs;
@@ -84,7 +84,7 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
     } \
   } while (0)
 
-/* The same for a loop that is worth it for Biot's fields, too, of two or three nodes an axis. */
+/* Dispatch of a loop that pays for Biot's fields, too, of two or three nodes an axis. */
 #define MPM_BIOT(dim, i, j, k) \
   ((MpmKnown){dim, (dim) + 1, (dim) * (dim) + (dim) + 2, PETSC_FALSE, PETSC_TRUE, {i, j, k}, (i) * (j) * (k)})
 #define MPM_BIOT_CASE(f, dim, i, j, k, ...) \
@@ -122,7 +122,7 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
 /* Room for one group's work: nodal values and forces by component, and the basis functions of one point. */
 typedef struct {
   PetscReal *values, *force, *storage;
-  PetscBool  weights; /* does the kernel take values, too, not only derivatives? */
+  PetscBool  weights; /* the kernel takes values, too, not only derivatives */
   MpmBasis   basis;
 } MpmWorkspace;
 
@@ -190,7 +190,7 @@ MPM_INLINE void MpmSumAddFlux(const MpmKnown known, const MpmLayout *layout, con
   }
 }
 
-/* What drives the water of point p. */
+/* Gravity of the water at point p. */
 MPM_INLINE const PetscReal *MpmSumGravity(const MpmSum *sum, PetscInt p)
 {
   return sum->still.gravity ? &sum->still.gravity[p * sum->space->dim] : sum->gravity;
@@ -242,8 +242,8 @@ MPM_INLINE void MpmSumTrial(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
 }
 
 /*
-  Points lie in memory in the order in which they were made or came, which the processor does not foresee when they are
-  taken by groups. So the data of the point so many places ahead in the order are asked for.
+  Points lie in memory in the order in which they were made or came, which the processor cannot predict when they are
+  visited by groups. Data of the point so many places ahead are therefore prefetched.
 */
 #define MPM_AHEAD 4
 #define MPM_LINE  8 /* numbers in a line of the cache */
@@ -256,7 +256,7 @@ MPM_INLINE void MpmFetch(const PetscReal array[], PetscInt p, PetscInt size)
   for (PetscInt k = 0; k < size; k += MPM_LINE) __builtin_prefetch(&array[p * size + k]);
   __builtin_prefetch(&array[p * size + size - 1]);
 }
-/* What the kernel and its inputs take. */
+/* Prefetches the data of the kernel and its inputs. */
 MPM_INLINE void MpmSumFetch(const MpmKnown known, const MpmSum *sum, PetscInt s)
 {
   const PetscInt p = MpmSumAhead(sum, s), row = known.dim * sum->space->width;
@@ -268,8 +268,8 @@ MPM_INLINE void MpmSumFetch(const MpmKnown known, const MpmSum *sum, PetscInt s)
 }
 
 /*
-  The weights and derivatives of one point at its group's nodes with one shape: basis[0] weights (if wanted), basis[1..dim]
-  derivatives; `count` nodes an axis, x fastest.
+  The weights and derivatives of one point at its group's nodes with one shape: basis[0] weights (if needed),
+  basis[1..dim] derivatives; `count` nodes an axis, x fastest.
 */
 MPM_INLINE void MpmShapeBasis(const MpmKnown known, const MpmSpace *space, PetscInt shape, PetscInt point,
                               PetscBool weights, PetscReal *const basis[])

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What a space is made by: shapes, walls, the ghost penalty.
+  Rules of a space: shapes, walls, the ghost penalty.
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -16,13 +16,13 @@
 #define MPM_DIVIDE 0.6
 
 /*
-  Half-length, in cells, beyond which a domain of an explicit step grows no more: sixteen times that of 2 x 2 points a cell. Grains
-  that fly are stretched without a force, and their domains would span the grid. Not less: with 2, the sheet that runs ahead of a
-  collapsed column parts while it still rubs on the floor, and goes 5 % further.
+  Half-length, in cells, beyond which a domain of an explicit step grows no more: sixteen times that of 2 x 2 points a
+  cell. Flying grains are stretched without a force, and their domains would span the grid. A bound of 2 is too small:
+  the sheet that runs ahead of a collapsed column then separates while it still rubs on the floor, and goes 5 % further.
 */
 #define MPM_SPRAY_HALF_LENGTH 4.
 
-/* What a space is made by, borrowed from the model. */
+/* Rules of a space, borrowed from the model. */
 typedef struct MpmRules {
   const MpmGrid     *grid;
   MpmShapeType       shape;
@@ -40,7 +40,7 @@ typedef struct MpmRules {
   PetscReal          smooth; /* share of means over pieces in derivatives (grid/shape.h); where there is one shape */
   PetscBool          mean;   /* points of one cell stand side by side, for means over it */
   PetscReal          time_n, time;         /* the step is from time_n to time */
-  PetscBool          put_back;             /* the points were put back after the last step, which kept their stress */
+  PetscBool          put_back;             /* the points were restored after the last step, which kept their stress */
   PetscBool          dynamic;              /* a step with inertia that is solved for */
   PetscReal          gravity[MPM_MAX_DIM]; /* m/s2 */
   PetscInt           parts;                /* of the material, with nodes of their own; 0 or 1: none */
@@ -49,7 +49,8 @@ typedef struct MpmRules {
 /* First and last node that bound the material around a place on each axis: the grid's edges, or a wall between. */
 void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[]);
 /*
-  Half-lengths of a point's domain in cells: the initial ones stretched by the diagonal of U, no longer than the rules' longest,
-  clipped at walls and at the grid's edges. The clipping is not kept. PETSC_FALSE where the point has no stretch.
+  Half-lengths of a point's domain in cells: the initial ones stretched by the diagonal of U, no longer than the rules'
+  longest, clipped at walls and at the grid's edges. The clipping is not kept. PETSC_FALSE where the point has no
+  stretch.
 */
 PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, PetscInt point, PetscReal half[]);

@@ -63,9 +63,9 @@ typedef struct {
 } Boxes;
 
 /*
-  Two keys a point: by the first node, or, with a mean, by the cell of its centre, since the first node follows from the
-  cell and a place of `width` beside it, part after part; and by the shape of the box. With more shapes than one that is also the place
-  of the nodes touched with the scene's shape.
+  Two keys a point. The first is by the first node or, with a mean, by the cell of its centre, part after part, since
+  the first node follows from the cell and a place of `width` beside it. The second is by the shape of the box; with
+  more than one shape also by the place of the nodes touched with the scene's shape.
 */
 MPM_INLINE PetscErrorCode MakeKeys(const PetscInt dim, const MpmSpace *space, const MpmRules *rules,
                                    const MpmPoints *points, Boxes *boxes)
@@ -233,7 +233,7 @@ PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a point's shapes are, to another point's place. */
+/* Moves a point's shapes to another point's place. */
 static PetscErrorCode MoveWeights(MpmSpace *space, PetscInt from, PetscInt to)
 {
   const PetscInt size = space->dim * space->width;

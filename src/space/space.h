@@ -29,7 +29,7 @@ typedef struct {
 /* Faces of the ghost penalty: groups without points, behind the others. */
 typedef struct {
   PetscInt begin, count; /* into groups */
-  MpmFace *face;         /* what they are only the ghost penalty knows */
+  MpmFace *face;         /* details are private to the ghost penalty */
 } MpmFaces;
 
 /*
@@ -42,9 +42,9 @@ typedef struct {
 } MpmWeights;
 
 /*
-  Extra nodes have no place on the lattice: terms append them for unknowns of their own (rigid bodies). The last rank owns
-  them, behind its others, and all ranks have them among their local nodes, from `begin` on. No field of the points and no
-  condition knows them.
+  Extra nodes have no place on the lattice: terms append them for unknowns of their own (rigid bodies). The last rank
+  owns them, behind its others, and all ranks have them among their local nodes, from `begin` on. Fields of the points
+  and conditions do not use them.
 */
 typedef struct {
   PetscInt box, first, count; /* the box's nodes (-1: none) and these extra nodes are coupled */
@@ -57,8 +57,8 @@ typedef struct {
 } MpmExtraNodes;
 
 /*
-  Parts of the material have nodes of their own, also where they stand at the same place: nodes, boxes and pieces of part k
-  have lattice indices that are k strides higher on the last axis. MpmSpaceAt() takes that back. Between the parts'
+  Parts of the material have nodes of their own, also where they stand at one place: nodes, boxes and knot spans of part
+  k have lattice indices that are k strides higher on the last axis. MpmSpaceAt() subtracts that. Between the parts'
   lattices lie so many indices, half of which count to each.
 */
 typedef struct {
@@ -85,10 +85,10 @@ typedef struct {
 } MpmExtension;
 
 /*
-  The step's discrete spaces, one for each shape that the physics' fields have: weights of every point, and the active
-  nodes. They number their nodes together, so that all unknowns of a node make one block; a node that no point touches
-  with a field's shape has no unknown of that field. Local nodes are those that this rank's points touch or that it owns:
-  first the owned ones, in lattice order, then ghosts. Unknowns are numbered over active nodes only.
+  The step's discrete spaces, one for each shape of the physics' fields: weights of every point, and the active nodes.
+  The nodes are numbered together, so that all unknowns of a node make one block; a node that no point touches with a
+  field's shape has no unknown of that field. Local nodes are those that this rank's points touch or that it owns: first
+  the owned ones, in lattice order, then ghosts. Unknowns are numbered over active nodes only.
 */
 typedef struct MpmSpace {
   PetscInt  dim, width; /* most nodes on an axis */
@@ -130,21 +130,22 @@ PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPo
 PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules);
 PetscErrorCode MpmSpaceReset(MpmSpace *space);
 /*
-  Points that are gone, at these places in ascending order: from the last of them on, the last of all points has taken a removed one's place. Weights
-  are those of the points that are left, and groups hold no others; nodes, boxes and means over cells stay as they are.
+  Removes points at these places, in ascending order: from the last of them on, the last of all points takes a removed
+  one's place. Weights are those of the remaining points, and groups hold no others; nodes, boxes and means over cells
+  stay as they are.
 */
 PetscErrorCode MpmSpaceRemovePoints(MpmSpace *space, PetscInt count, const PetscInt removed[]);
 /*
   The weights of all points (weights.c); `box_first` and `box_count`, dim values a point, are the nodes touched with any
-  of the shapes. They are the space's own where there is one shape; `outcome` as above.
+  of the shapes, the space's own where there is one shape; `outcome` as above.
 */
 PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, const MpmPoints *points,
                                       PetscInt **box_first, PetscInt **box_count, MpmOutcome *outcome);
 /* Room for `count` boxes more, without points, behind the others. */
 PetscErrorCode MpmSpaceAppendBoxes(MpmSpace *space, PetscInt count, MpmGroup **boxes);
 /*
-  Extra nodes, the same on all ranks, before the nodes are numbered; `first` is the index among them of the first one. And,
-  afterwards, which boxes of this rank they are coupled with: the sparsity has room for that.
+  Appends extra nodes, equal on all ranks, before the nodes are numbered; `first` is the index among them of the first
+  one. The second function, afterwards, couples them with boxes of this rank: the sparsity has room for that.
 */
 PetscErrorCode          MpmSpaceAppendNodes(MpmSpace *space, PetscInt count, const PetscInt free[], PetscInt *first);
 PetscErrorCode          MpmSpaceLink(MpmSpace *space, PetscInt box, PetscInt first, PetscInt count);
@@ -152,9 +153,9 @@ static inline PetscBool MpmSpaceIsExtra(const MpmSpace *space, PetscInt node)
 {
   return (PetscBool)(node >= space->extra.begin && node < space->extra.begin + space->extra.count);
 }
-/* All nodes of two of this rank's boxes are coupled: the sparsity has room for that. To be called like MpmSpaceLink(). */
+/* Couples all nodes of two of this rank's boxes: the sparsity has room for that. To be called like MpmSpaceLink(). */
 PetscErrorCode MpmSpaceCouple(MpmSpace *space, PetscInt one, PetscInt other);
-/* What is added to the last axis' indices of the nodes and the cell of point p; `part`: the points' field. */
+/* Offset of the last axis' indices of the nodes and the cell of point p; `part`: the points' field. */
 static inline PetscInt MpmSpaceShift(const MpmSpace *space, const PetscInt part[], PetscInt p)
 {
   return space->parts.stride ? space->parts.stride * part[p] : 0;
@@ -170,7 +171,7 @@ static inline void MpmSpaceAt(const MpmSpace *space, const PetscInt node[], Pets
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) at[a] = a < space->dim ? node[a] : 0;
   at[space->dim - 1] -= space->parts.stride * MpmSpacePart(space, node);
 }
-/* The same of the first node of a group of points, without a division. */
+/* Lattice indices of the first node of a group of points, without a division. */
 static inline void MpmSpaceGroupAt(const MpmSpace *space, const MpmGroup *group, PetscInt at[])
 {
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) at[a] = group->first[a];

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  The inner loops between points and nodes that carry mass and momentum: where a point's nodes stand, and the affine part of its
+  The inner loops between points and nodes that carry mass and momentum: places of a point's nodes, and its affine
   velocity.
 */
 #include "grid/grid.h"
@@ -18,8 +18,9 @@ typedef PetscReal Slim __attribute__((vector_size(SLIM * sizeof(PetscReal)), ali
 typedef struct {
   PetscReal away[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* m */
   PetscReal second[MPM_MAX_DIM];              /* D_b, m2 */
-  PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* what takes the weights' place along an axis for the affine part */
-  PetscBool thin;                             /* a gradient among them: a point on an edge of the grid */
+  PetscReal line[MPM_MAX_DIM]
+                [MPM_MAX_WIDTH]; /* factors along an axis in place of the weights, for the affine velocity */
+  PetscBool thin;                /* a gradient among them: a point on an edge of the grid */
 } MpmStencil;
 
 /* Where the nodes of the group stand from the point, and the second moments of its weights. */
@@ -57,7 +58,7 @@ MPM_INLINE void MpmStencilAffine(const MpmKnown known, const MpmSum *sum, const 
   }
 }
 
-/* What a pass over the nodes sums along each axis beside the weights: a point's affine velocity. */
+/* Factors along each axis beside the weights in a pass over the nodes: a point's affine velocity. */
 MPM_INLINE void MpmStencilLines(const MpmKnown known, const MpmSum *sum, PetscInt p, PetscInt degree, MpmStencil *at)
 {
   const PetscInt dim = known.dim, W = sum->space->width;

@@ -1,16 +1,17 @@
 #pragma once
 /*
-  What the sums over points work with, and what goes between points and nodes outside of the residual (point_to_node.c,
+  Data of the sums over points, and transfers between points and nodes outside of the residual (point_to_node.c,
   node_to_point.c).
 */
 #include "base/base.h"
 #include "base/types.h"
 #include "talus/point/tables.h"
 
-/* What the points would be at the step's end, F, Cauchy stress and history, at the displacement u last evaluated. */
+/* Candidate of the points' state at the step's end, F, Cauchy stress and history, at the displacement u last
+   evaluated. */
 typedef struct MpmTrial {
   PetscReal *F, *stress, *state, *own, *u;
-  PetscBool  made;   /* it holds what goes with the model's residual, */
+  PetscBool  made;   /* belongs to the model's residual */
   PetscBool  framed; /* which is in the frames of nodes, not along the axes */
 } MpmTrial;
 
@@ -44,9 +45,9 @@ typedef struct MpmSum {
 } MpmSum;
 
 /*
-  Values of the points at the owned nodes, by the weights of one of the space's shapes, and with their gradients by x where
-  `gradient` is not NULL (point_to_node.c). Point p has `components` values from value[p*stride] and components * dim
-  derivatives from gradient[p*gradient_stride].
+  Values of the points at the owned nodes, by the weights of one of the space's shapes, and with their gradients by x
+  where `gradient` is not NULL (point_to_node.c). Point p has `components` values from value[p*stride] and components *
+  dim derivatives from gradient[p*gradient_stride].
 */
 typedef struct {
   PetscInt         shape, components, stride;
@@ -56,8 +57,8 @@ typedef struct {
 PetscErrorCode MpmProjectToNodes(const MpmSum *sum, const MpmPointValues *values, PetscReal nodal[]);
 
 /*
-  The deviations at the points of all fields that have one, from values at the local nodes, `layout->block` a node; and the
-  values of those with a rate.
+  The deviations at the points of all fields that have one, from values at the local nodes, `layout->block` a node; and
+  the values of those with a rate.
 */
 PetscErrorCode MpmDeviationsAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal deviation[]);
 PetscErrorCode MpmRatesAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal value[]);
@@ -66,13 +67,13 @@ PetscErrorCode MpmScalarAtPoints(const MpmSum *sum, const PetscReal nodal[], Pet
 /* The points' displacements, `dim` a point. */
 PetscErrorCode MpmDisplacementsAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal displacement[]);
 /*
-  The first of this rank's points that the displacement u of local nodes would carry out of a grid, -1: none; and where to. `next` is
-  sum->grid itself, or what that becomes where it moves.
+  The first of this rank's points that the displacement u of local nodes would carry out of a grid, -1: none; and its
+  destination. `next` is sum->grid itself, or the next grid where it moves.
 */
 PetscErrorCode MpmFindOutside(const MpmSum *sum, const MpmGrid *next, const PetscReal u[], PetscInt *point,
                               PetscReal x[]);
 
 /* The trial becomes the state: history, F, stress, and positions and rate values that go with u. */
 PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[]);
-/* The same where the points' own velocities are known, and no field has a rate. */
+/* MpmCommit() where the points' own velocities are known, and no field has a rate. */
 PetscErrorCode MpmCommitMoves(const MpmSum *sum, PetscReal dt, const PetscReal moves[]);

@@ -7,7 +7,7 @@
 #include "space/sum.h"
 
 /*
-  A unit is what the Jacobian cannot take apart: a group, or a cell where the physics has a mean. Its groups, and the box
+  A unit is the smallest block of the Jacobian: a group, or a cell where the physics has a mean. Its groups, and the box
   of their nodes.
 */
 static inline PetscInt MpmUnitCount(const MpmSum *sum)

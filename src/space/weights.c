@@ -2,7 +2,7 @@
   Weights of every point with the shapes of the physics' fields.
 
   A field may have splines of another degree than the scene's shape, or nodes on a coarser lattice: of spacing r, whose
-  nodes are those of the grid with indices that are multiples of r. What such a shape gives is spread over the grid's
+  nodes are those of the grid with indices that are multiples of r. Weights of such a shape are spread over the grid's
   nodes, with zeros between, and all shapes of a point over the smallest box that holds the nodes of each.
 */
 #include "base/outcome.h"
@@ -13,7 +13,7 @@
 #include "space/space.h"
 #include "space/walls.h"
 
-/* Does a wall, which goes with the grid, stand beside this point: does the point project into the wall's extent? */
+/* True where a wall, which goes with the grid, stands beside this point: the point projects into the wall's extent. */
 static PetscBool WallFaces(const MpmWall *wall, const MpmGrid *grid, const PetscReal x[])
 {
   PetscReal start[MPM_MAX_DIM];
@@ -142,7 +142,7 @@ static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscRea
 /* The nodes that points touch with one shape, and their weights: per point and axis `width` values. */
 typedef struct {
   PetscInt   width;
-  PetscBool  mean; /* are means over the cell wanted? */
+  PetscBool  mean; /* means over the cell are needed */
   PetscInt  *first, *count;
   MpmWeights values;
 } Lines;
@@ -153,7 +153,8 @@ typedef struct {
   PetscInt     spacing;
 } Shape;
 
-/* The weights of a point on one axis with nodes on a coarser lattice, gradients by xi; edges and nodes are those of the grid. */
+/* Weights of a point on one axis with nodes on a coarser lattice, gradients by xi; edges and nodes are those of the
+   grid. */
 static void EvaluateCoarse(const Shape *shape, MpmEdgeType edge, PetscReal xi, PetscReal half, PetscInt lower,
                            PetscInt upper, MpmShapeLine *line)
 {
@@ -290,7 +291,8 @@ static PetscErrorCode Unite(MpmSpace *space, PetscInt count, Lines lines[], Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The shapes of the fields, and most nodes that a point touches with each on an axis; PETSC_FALSE where they are too many. */
+/* Shapes of the fields, and most nodes that a point touches with each on an axis; PETSC_FALSE where there are too
+   many. */
 static PetscBool ListShapes(const MpmRules *rules, PetscReal longest, Shape shapes[], Lines lines[])
 {
   PetscInt sum = 0;

@@ -3,18 +3,18 @@
 
     kinetic + elastic + dissipated - external - (kinetic + elastic at the start) = balance
 
-  kinetic     of the points, with the affine part of their velocities, and of rigid bodies with a mass
-  elastic     what the points' elastic strain stores, by the law or by the stress, p^2/(2 K) + s:s/(4 G) a volume
-  dissipated  the work of the points' stresses less what is stored of it, what contact has taken (the depth of a penalty, too,
-              until it lets go), and what damping has taken
+  kinetic     of the points, with their affine velocities, and of rigid bodies with a mass
+  elastic     stored by the points' elastic strain, by the law or by the stress, p^2/(2 K) + s:s/(4 G) a volume
+  dissipated  the work of the points' stresses less its stored share, and the losses by contact (the depth of a penalty,
+              too, until it opens) and by damping
   external    work of loads, on free boundaries, too, of supports that move and of boundaries that move
 
   The work of a stress in a step is V_0 tau : d, tau the mean of its start and end and d the strain about the middle,
 
     d = sym((dF - I) ((dF + I)/2)^{-1}) ,
 
-  of second order in the step. The balance is what the integrator and the transfer between points and nodes have lost, and what
-  the ghost penalty has taken: it falls with the step, and with FLIP.
+  of second order in the step. The balance is the loss by the integrator, by the transfer between points and nodes, and
+  by the ghost penalty, which falls with the step, and with FLIP.
 */
 #include "point/material.h"
 #include "point/stored_energy.h"

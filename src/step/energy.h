@@ -7,18 +7,18 @@
 #include "talus/talus.h"
 
 /*
-  What a step has done, as values at the local nodes, `block` a node, along the axes.
+  Work of a step, as values at the local nodes, `block` a node, along the axes.
 
   u         the step's displacement
   at        that at which contact and damping acted; NULL: u
-  loads     forces on the material, of which each rank has its part; their mean over the step; NULL: none
-  supports  at the owned nodes, the forces that prescribed unknowns exert; 0 at free ones
+  loads     forces on the material, of which each rank has its share; their mean over the step; NULL: none
+  supports  at the owned nodes, forces of prescribed unknowns; 0 at free ones
   local, owned  numbers of nodes
-  kick      that in which all but the loads do their work, `part` times; NULL: u, once
-  taken     J, what damping has taken besides, in this rank's part, `part` times
+  `kick`    displacement of the work of all but the loads, `part` times; NULL: u, once
+  taken     J, other losses by damping, this rank's share, `part` times
   unstrained  there is no trial
 
-  The points, the space and the terms are as the step had them; the forces of contact and of damping are evaluated anew.
+  The points, the space and the terms are those of the step; the forces of contact and of damping are evaluated anew.
 */
 typedef struct {
   const PetscReal *u, *at, *loads, *supports;
@@ -28,11 +28,12 @@ typedef struct {
   PetscBool        unstrained;
 } MpmStepWork;
 
-/* Adds a step, once the trial is found and before the points take it. Collective; nothing happens in scenes without inertia. */
+/* Adds a step, once the trial is found and before the points take it. Collective; without effect in scenes without
+   inertia. */
 PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work);
 /*
-  Around what changes the points without a step (a stage's bodies and materials, a geostatic state): Mark before it, Rebase
-  after it; the first Rebase opens the account.
+  Around changes of the points without a step (a stage's bodies and materials, a geostatic state): Mark before it,
+  Rebase after it; the first Rebase opens the account.
 */
 PetscErrorCode MpmEnergyMark(MpmModel model);
 PetscErrorCode MpmEnergyRebase(MpmModel model);

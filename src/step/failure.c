@@ -1,8 +1,9 @@
 /*
-  Where a step without a solution fails: the place and the body of the largest force out of balance at Newton's last iterate, and the share of points
-  that flow there.
+  Description of a step without a solution: the place and the body of the largest force out of balance at Newton's last
+  iterate, and the share of points that flow there.
 
-  A point flows where a history variable of its plastic flow has changed: an equivalent or volume strain, the size of the yield surface.
+  A point flows where a history variable of its plastic flow has changed: an equivalent or volume strain, the size of
+  the yield surface.
 */
 #include "point/material.h"
 #include "grid/grid.h"
@@ -69,7 +70,7 @@ static PetscErrorCode FindBody(MpmModel model, const PetscReal place[], PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does a history variable tell of plastic flow? Others go with the deformation. */
+/* True where a history variable measures plastic flow. Others go with the deformation. */
 static PetscBool TellsFlow(const MpmStateVariable *variable)
 {
   static const char *const names[] = {"equivalent_plastic_strain", "preconsolidation", "image_pressure",
@@ -80,7 +81,7 @@ static PetscBool TellsFlow(const MpmStateVariable *variable)
   return PETSC_FALSE;
 }
 
-/* Do the histories of all laws with plastic flow tell of it? */
+/* True where the histories of all laws with plastic flow measure it. */
 static PetscBool AllTell(const MpmModel model)
 {
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
@@ -93,7 +94,7 @@ static PetscBool AllTell(const MpmModel model)
   return (PetscBool)(model->state.particles->state_size > 0);
 }
 
-/* Does a point flow in what was tried? */
+/* True where a point flows in the trial. */
 static PetscBool Flows(const MpmModel model, PetscInt p)
 {
   const MpmPoints   *points   = model->disc.points;

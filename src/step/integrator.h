@@ -7,18 +7,18 @@
 #include "talus/talus.h"
 
 /*
-  How a step is taken. Until accept() the state is that of the step's start: roll_back() forgets what was tried.
+  A way to take a step. Until accept() the state is that of the step's start: roll_back() forgets the trial.
 
-  begin      space, conditions and loads for a step to `time`, dt later; `again`: the points have not moved since the last
-             call, the space stands; `outcome`: whether there is such a step
-  predict    where the solution starts
-  solve      Newton's method, or what takes its place; `outcome`: whether there is a solution
-  accept     what was found becomes the state
+  begin      space, conditions and loads for a step to `time`, dt later; `again`: the points have not moved since the
+             last call, the space stands; `outcome`: whether there is such a step
+  predict    start of the solution
+  solve      Newton's method, or its substitute; `outcome`: whether there is a solution
+  accept     the trial becomes the state
   roll_back
   error      estimate of the step's error in time; NULL where there is none
-  length     before `begin`: how long the step may be, into state.dt_wanted; `outcome`: whether there is such a step.
-             NULL: the step control chooses, and cuts what fails
-  finish     after a stage's last step, the points being where they belong; NULL: nothing is left to do
+  length     before `begin`: the longest step allowed, into state.dt_wanted; `outcome`: whether there is such a step.
+             NULL: the step control chooses, and cuts failing steps
+  finish     after a stage's last step, with the points in their places; NULL: nothing is left to do
 */
 struct MpmIntegrator {
   const char *name;

@@ -3,14 +3,15 @@
 
     grid: {follow: pile, axes: "y", mode: stretch, fixed: lower, at: 4}
 
-  With d the displacement of what is followed since it was first there, `shift` moves the whole grid by d, and `stretch`
-  keeps the side F where it is and scales the grid about it by 1 + d/(A - F): the lattice's place A, by default the other
-  side, moves by d. The cells stay equal on each axis. Follow: Al-Kafaji (2013), Formulation of a dynamic material point
-  method for geomechanical problems, University of Stuttgart.
+  With d the displacement of the followed object since it was first there, `shift` moves the whole grid by d, and
+  `stretch` keeps the side F where it is and scales the grid about it by 1 + d/(A - F): the lattice's place A, by
+  default the other side, moves by d. The cells stay equal on each axis. Follow: Al-Kafaji (2013), Formulation of a
+  dynamic material point method for geomechanical problems, University of Stuttgart.
 
-  A step is taken on the grid that goes with its start, since the start is its reference: d is the mean displacement of the
-  points then, of those of the motion or of the body, or that of the boundary's middle at the step's start. Nothing on the grid is
-  remembered from step to step, so that a failed step has nothing to roll back, and the points find their cells again.
+  A step is taken on the grid that goes with its start, since the start is its reference: d is the mean displacement of
+  the points then, of those of the motion or of the body, or that of the boundary's middle at the step's start. Nothing
+  on the grid is remembered from step to step, so that a failed step has nothing to roll back, and the points find their
+  cells again.
 */
 #include "options/options.h"
 #include "grid/grid.h"
@@ -92,7 +93,7 @@ static PetscErrorCode ReadFixed(const MpmOptions *block, PetscInt axes, MpmFollo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What moves with the followed: in the grid, and a cell at least from the side that stays. */
+/* Plane that moves with the followed object: in the grid, and a cell at least from the side that stays. */
 static PetscErrorCode ReadAt(const MpmOptions *block, const MpmGrid *grid, PetscInt axes, MpmFollow *follow)
 {
   PetscReal at[MPM_MAX_DIM] = {0., 0., 0.};
@@ -190,7 +191,7 @@ PetscErrorCode MpmMovingGridSelect(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The mean of the marked points' places less `from`; `there`: are there any? */
+/* The mean of the marked points' places less `from`; `there`: there are some. */
 static PetscErrorCode MeanPlace(MpmModel model, const char *field, const PetscReal from[], PetscReal mean[],
                                 PetscBool *there)
 {
@@ -363,7 +364,7 @@ static PetscErrorCode ForgiveRounding(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is enough left of the grid? */
+/* True where the remaining extent of the grid is too small. */
 static PetscBool IsSqueezed(const MpmModel model, PetscInt *axis)
 {
   const MpmGrid *grid = model->disc.grid;

@@ -7,8 +7,8 @@
 #include "talus/talus.h"
 
 /*
-  The moving grid (moving_grid.c): Read takes the options, Select marks the points of a body that it follows, Follow puts the
-  grid where it belongs for the points as they are, at a step's start or where points come and go.
+  The moving grid (moving_grid.c): Read takes the options, Select marks the points of a body that it follows, Follow
+  sets the grid for the present points, at a step's start or where points come and go.
 */
 PetscErrorCode MpmMovingGridRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmMovingGridSelect(MpmModel model);

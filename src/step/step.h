@@ -10,38 +10,40 @@
 /* ---- step_trial.c ---- */
 
 /*
-  Everything before Newton: space, conditions, loads, initial guess, for a step from model->time to `time`, dt later.
-  `again`: the points have not moved since the last call, the space stands.
+  All tasks before Newton's method: space, conditions, loads, start, for a step from model->state.time to `time`, dt
+  later. `again`: the points have not moved since the last call, the space stands.
 */
 PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome);
 
 /* ---- step_begin.c ---- */
 
 /*
-  Space, conditions and loads of a step, as MpmStepPrepare() has them: without a solver and a start for it. Where the integrator
-  is explicit it adds gravity's own force, by the masses of the nodes.
+  Space, conditions and loads of a step, as MpmStepPrepare() has them: without a solver and a start for it. For an
+  explicit integrator it adds gravity's own force, by the masses of the nodes.
 */
 PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome);
 /*
-  Adds the part of the loads that makes those of a step to `time`, which count `part` times as they were at its start, their mean
-  over the step.
+  Completes the loads to their mean over a step to `time`, of which those of its start count `part` times.
 */
 PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, PetscReal force[]);
-/* True where this rank has prescribed unknowns, and on all ranks where any of those moves: then the next function is collective. */
+/* True where this rank has prescribed unknowns, and on all ranks where any of those moves: then the next function is
+   collective. */
 PetscBool MpmStepPrescribes(const MpmModel model);
-/* What prescribed unknowns have at a time: of the first or second derivative by time, at the local unknowns, 0 at others. */
+/* Prescribed first or second derivative by time, at the local unknowns, 0 at others. */
 PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt rate, PetscReal values[]);
 /* Conditions and motions as a step to `time` takes them. */
 MpmPrescription MpmStepPrescription(MpmModel model, PetscReal time);
 
-/* What conditions and motions prescribe in a step to `time`; the space stands. Failure: they contradict each other. */
+/* Values prescribed by conditions and motions in a step to `time`; the space stands. Failure: they contradict each
+   other. */
 PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, MpmOutcome *outcome);
 /* The space of the points where they are now, without a step. */
 PetscErrorCode MpmStepSpace(MpmModel model, MpmOutcome *outcome);
 
 /* ---- what Newton has found (step_trial.c) ---- */
 
-/* Would the displacement model->disc.u carry a point out of the grid? The failure names the first one of the lowest rank. */
+/* Fails where the displacement model->disc.u would carry a point out of the grid; names the first one of the lowest
+   rank. */
 PetscErrorCode MpmStepFindLost(MpmModel model, MpmOutcome *outcome);
 /* Points that rounding has taken over the grid's edges are put onto them. */
 void MpmStepClip(MpmModel model);
@@ -54,8 +56,8 @@ PetscErrorCode MpmStepFindReactions(MpmModel model);
 /* The residual at the step's start, before any prediction: what Newton's tolerance refers to. */
 PetscErrorCode MpmStepFindReference(MpmModel model);
 /*
-  The start of Newton: zero or, with `predict`, the increment extrapolated from the last steps; totals stay, prescribed unknowns take
-  their values.
+  The start of Newton's method: zero or, with `predict`, the increment extrapolated from the last steps; totals stay,
+  prescribed unknowns take their values.
 */
 PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict);
 
@@ -74,9 +76,9 @@ PetscErrorCode MpmStepLocate(MpmModel model, MpmOutcome *outcome);
 /* ---- unconstrained.c ---- */
 
 /*
-  After a failed step (unconstrained.c): where nothing holds the material, or a piece of it, the reason says so; not `retryable` where the
-  loads push along such a motion and no boundary may catch it.
+  After a failed step (unconstrained.c): adds material, or a piece of it, without support to the reason; not `retryable`
+  where the loads push along such a motion and no boundary is in its way.
 */
 PetscErrorCode MpmUnconstrainedExplain(MpmModel model, MpmOutcome *outcome);
-/* Do loads push a piece of the material along a motion that nothing resists? In the state that was last tried. */
+/* True where loads push a piece of the material along a motion without resistance, in the last trial. */
 PetscErrorCode MpmUnconstrainedIsPushed(MpmModel model, PetscBool *pushed);

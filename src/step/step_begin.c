@@ -1,5 +1,5 @@
 /*
-  What a step begins with, for any integrator: space, conditions and loads.
+  Begin of a step, for any integrator: space, conditions and loads.
 */
 #include "point/layout.h"
 #include "point/registry.h"
@@ -66,7 +66,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
   return rules;
 }
 
-/* What does not depend on the step's length: arrays, space, pattern, solver. */
+/* Data independent of the step's length: arrays, space, pattern, solver. */
 static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, MpmOutcome *outcome)
 {
   const PetscInt      bs = model->disc.block, dim = model->disc.dim;
@@ -131,7 +131,7 @@ PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, MpmOutcome *out
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Does any condition that acts prescribe a displacement other than 0? */
+/* True where any active condition prescribes a displacement other than 0. */
 static PetscBool AnyMoves(const MpmModel model)
 {
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)

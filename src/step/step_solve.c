@@ -1,5 +1,6 @@
 /*
-  Newton's attempts at a step: from a prediction or from rest, with care or without, and again as contact's pressures are corrected.
+  Newton's attempts at a step: from a prediction or from rest, careful or plain, and again as contact's pressures are
+  corrected.
 */
 #include "base/newton_reason.h"
 #include "point/layout.h"
@@ -22,9 +23,9 @@ static PetscErrorCode SolveFrom(MpmModel model, PetscBool rest, SNESConvergedRea
 }
 
 /*
-  Newton from the prediction and, where that fails or there is none, from rest. With contact it is taken with care, and without, from
-  each, but not where loads push along what nothing resists; and all but the last of these are given up when they get nowhere. What
-  succeeded is how the next step starts.
+  Newton's method from the prediction and, where that fails or there is none, from rest. With contact each start is
+  tried carefully and plainly, unless loads push along a motion without resistance. All but the last attempt stop on
+  stagnation. The next step starts with the variant that succeeded.
 */
 static PetscErrorCode TryAll(MpmModel model, SNESConvergedReason *reason)
 {
@@ -60,11 +61,12 @@ static PetscErrorCode TryAll(MpmModel model, SNESConvergedReason *reason)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define GIVE 64. /* what may slide gives by so many times as much, in the last attempts at a step that was cut */
+#define GIVE 64. /* factor on the elastic slip of sticking patches, in the last attempts at a step that was cut */
 
 /*
-  All attempts. Where friction is low, what sticks is stiff over a slip so small that Newton's method throws it from sliding one way to sliding
-  the other, however short the step: one that was cut is tried once more with contacts that give before they slide.
+  All attempts. Where friction is low, sticking is stiff over so small a slip that Newton's method alternates between
+  sliding one way and the other, however short the step. A step that was cut is therefore tried once more with a larger
+  elastic slip.
 */
 static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
 {
@@ -84,8 +86,8 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
 #define TRUST 0.1 /* of the residual at rest: where bodies may slide or part, a prediction that leaves more is none */
 
 /*
-  May any body slide on another that is near? What sticks now may slide in the next step. Bodies may also part where no energy
-  closes them again.
+  True where any body may slide on another that is near: sticking contact may slide in the next step. Also where contact
+  may open, and no energy closes it again.
 */
 static PetscBool Rubs(const MpmModel model)
 {
@@ -122,7 +124,8 @@ PetscErrorCode MpmStepPredict(MpmModel model)
 #define NEARLY        30. /* times the depth that is wanted: the next correction should be the last */
 
 /*
-  The multipliers of augmented terms, corrected between solutions until their constraints are met. Only then need these be exact.
+  The multipliers of augmented terms, corrected between solutions until their constraints are met. Only then need these
+  be exact.
 */
 static PetscErrorCode Augment(MpmModel model, SNESConvergedReason *reason)
 {

@@ -63,14 +63,14 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
 }
 
 /*
-  How much of the change of the rate from step to step is taken to go on: all of it would let errors grow. Nothing where there is
-  contact, whose facets come into other patches.
+  Damping of the second-order predictor; 1 amplifies errors. No second order with contact, whose facets come into other
+  patches.
 */
 #define PREDICTED_CHANGE 0.9
 
 /*
-  The increment extrapolated from the last steps, at the nodes: loads and motions go on much as before from step to
-  step, and Newton needs an iteration less. It comes from the points, for the material moves over the grid.
+  The increment extrapolated from the last steps, at the nodes: loads and motions change little from step to step, and
+  Newton's method needs an iteration less. The increment is kept at the points, for the material moves over the grid.
 */
 static PetscErrorCode Predict(MpmModel model, PetscReal u[])
 {
@@ -139,7 +139,7 @@ PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* May points leave the grid in the stage under way? */
+/* True where points may leave the grid in the stage under way. */
 static PetscBool MayLeave(const MpmModel model)
 {
   return (PetscBool)(model->disc.grid->outflow && MpmModelMotion(model)->type != MPM_QUASISTATIC);

@@ -1,15 +1,16 @@
 /*
-  After a failed step: does anything hold the material? Rigid body motions that neither conditions nor boundaries resist
-  make the Jacobian singular, and whatever Newton's method then says is not the reason.
+  Support of the material after a failed step. Rigid body motions that neither conditions nor boundaries resist make the
+  Jacobian singular, and the failure of Newton's method is then not the reason.
 
-  A piece is a set of active nodes that points connect, or contacts of bodies, which may hold one by the other. With c its centre, R its radius and m_k(x) its rigid motions
-  (translations; rotations about c, over R), each prescribed displacement q . u = g gives a row r_k = q . m_k(x). Motions in the
-  null space of M = sum r r^T are free. A boundary holds along its normal what touches it, and all of it with stick.
-  A free translation along which the loads have a resultant leaves no equilibrium, however short the step.
+  A piece is a set of active nodes that points connect, or contacts of bodies, by which one may support the other. With
+  c its centre, R its radius and m_k(x) its rigid motions (translations; rotations about c, over R), each prescribed
+  displacement q . u = g gives a row r_k = q . m_k(x). Motions in the null space of M = sum r r^T are free. A boundary
+  supports along its normal the material that touches it, and fully with stick. A free translation along which the loads
+  have a resultant leaves no equilibrium, however short the step.
 
-  Where all is held so, a piece may slide all the same. Bodies in contact make pieces by themselves: what neither contact nor friction holds of
-  one, as it starts without touching, or as nothing rubs, is free. Loose pieces are held along normals only: one of them that the loads
-  push along a free motion rests on friction alone.
+  Where all is supported in this sense, a piece may slide all the same. Bodies in contact make pieces by themselves:
+  motions that neither contact nor friction resists, as a body starts without touching, or without friction, are free.
+  Loose pieces are supported along normals only: one that the loads push along a free motion rests on friction alone.
 */
 #include "point/layout.h"
 #include "particles/body.h"
@@ -34,10 +35,10 @@ static const PetscReal units[MPM_MAX_DIM][MPM_MAX_DIM] = {{1., 0., 0.}, {0., 1.,
 
 /* ---- pieces ---- */
 
-/* What makes a piece: contacts of bodies, too; or without them; the latter without friction. */
+/* Connections of a piece: contacts of bodies, too; or without them; the latter without friction. */
 typedef enum { WHOLE, APART, LOOSE } Kind;
 
-/* What holds and what pushes a piece; all numbers, to be summed over the ranks. */
+/* Supports and loads of a piece; all numbers, to be summed over the ranks. */
 typedef struct {
   PetscReal M[MOTIONS_MOST * MOTIONS_MOST];
   PetscReal load[MOTIONS_MOST], size; /* resultants, and the sum of all nodes' forces without their signs */
@@ -52,12 +53,12 @@ typedef struct {
   Sums *sums;
 } Pieces;
 
-/* What can be said of a piece: null vectors of M, and what is free and loaded. */
+/* Results for a piece: null vectors of M, its free and loaded motions. */
 typedef struct {
   PetscInt  free_count;
   PetscReal free[MOTIONS_MOST][MOTIONS_MOST];
   PetscBool axis[MPM_MAX_DIM],
-    pushed; /* free translations along axes; do the loads push along one (loose: along any motion)? */
+    pushed; /* free translations along axes; the loads push along one (loose: along any motion) */
 } Freedom;
 
 static PetscInt Root(PetscInt parent[], PetscInt i)
@@ -346,7 +347,7 @@ static PetscErrorCode FindFreedom(const Pieces *pieces, const Sums *sums, Freedo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Is the motion a translation along no axis? */
+/* True for a translation along no axis. */
 static PetscBool IsOblique(const Pieces *pieces, const PetscReal motion[])
 {
   for (PetscInt k = pieces->dim; k < pieces->motions; k++)
@@ -404,8 +405,8 @@ static PetscErrorCode Describe(const Pieces *pieces, PetscInt piece, const Freed
 }
 
 /*
-  The piece that loads push along a free motion, or the first that has one (loose: only the former); `worst` is -1 where none has.
-  Free `pieces` with Forget().
+  The piece that loads push along a free motion, or the first that has one (loose: only the former); `worst` is -1 where
+  none has. Free `pieces` with Forget().
 */
 static PetscErrorCode Examine(MpmModel model, Kind kind, Pieces *pieces, PetscInt *worst, Freedom *freedom)
 {

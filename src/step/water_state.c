@@ -1,24 +1,25 @@
 /*
-  The pressure of water that a scene starts from, and where it is held.
+  The initial pressure of water, and nodes where it is prescribed.
 
-  Water at rest.
-  Below its level the water is at rest where p = gamma d, d the depth; dry ground above has p = 0. The basis functions of the
-  grid have no such bend within a cell, and splines have none at all. A discrete pressure sum_i phi_i c_i stands for it, and
+  Water at rest. Below its level the water is at rest where p = gamma d, d the depth; dry ground above has p = 0. The
+  basis functions of the grid have no such bend within a cell, and splines have none at all. A discrete pressure sum_i
+  phi_i c_i stands for it, and
 
     g_p = -(sum_i d phi_i/dz (x_p) c_i)/gamma g
 
-  in place of g drives the water of a point: whatever the shape, the permeability on either side and the place of the level
-  between the nodes, c is at rest to rounding. Where all nodes of a point are wet g_p is g; where all are dry it is 0.
+  in place of g drives the water of a point: whatever the shape, the permeability on either side and the place of the
+  level between the nodes, c is at rest to rounding. Where all nodes of a point are wet g_p is g; where all are dry it
+  is 0.
 
-  The coefficients are those of p at the nodes but beside the bend, which keep the integral of the pressure: with the level a h
-  above the last node j that is not above it, and splines of degree k,
+  The coefficients are those of p at the nodes but beside the bend, which keep the integral of the pressure: with the
+  level a h above the last node j that is not above it, and splines of degree k,
 
     c_j = gamma h (a - (1 - a) b) ,   c_{j+1} = -gamma h (a (1 - a)/2 + a b) ,   b = (k - 1)/24 .
 
   a (1 - a)/2 is the error of the trapezoidal rule at a bend; b follows from the second moment (k + 1)/12 of the spline.
 
-  Held pressures. Nodes that are not below the water's level have the pressure of water at rest: in dry ground 0 but beside the
-  level, hydrostatic where no point stands above it.
+  Prescribed pressures. Nodes that are not below the water's level have the pressure of water at rest: in dry ground 0
+  but beside the level, hydrostatic where no point stands above it.
 */
 #include "point/layout.h"
 #include "point/material.h"
@@ -140,7 +141,8 @@ static PetscBool IsBent(const MpmStillWater *still, const PetscReal x[], PetscRe
   return (PetscBool)(PetscAbsReal(pressure - hydrostatic) > MPM_TOLERANCE * still->table->weight * still->h);
 }
 
-/* For the step's space: sum->still, the pressure at the local nodes, where that bends, and the gravity that drives the points' water. */
+/* For the step's space: sum->still, the pressure at the local nodes, where that bends, and the gravity of the points'
+   water. */
 static PetscErrorCode SetStill(MpmModel model, const MpmStillWater *still)
 {
   MpmSum              *sum   = model->disc.sum;
@@ -298,16 +300,15 @@ PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time)
 /*
   Hydraulic heave: rising water lifts ground without cohesion.
 
-  Above the critical gradient level ground has no equilibrium. It parts where its effective stress has gone, and what lies above is
-  lifted until the way of the water has become so long that its gradient is critical again: a suspension of grains, for which no law
-  of a skeleton holds. Ground at a point has parted where
+  Above the critical gradient level ground has no equilibrium. Where its effective stress has gone the ground opens, and
+  the material above is lifted until the way of the water is so long that its gradient is critical again. The ground is
+  then a suspension of grains, for which no law of a skeleton is valid. Ground at a point is open where
 
     |sigma'| <= 1e-6 p ,    J > 1.02 ,    -dp/dz > gamma_w (water rises) ,
 
-  and it heaves where half of a level of cells has parted that a tenth of the ground lies above. Ground that has just been
-  loaded and keeps its water has no effective stress, either, but has not expanded; ground that parts beside a wall or at a
-  slope's toe leaves most of its level.
-  Source: Terzaghi (1943), Theoretical Soil Mechanics, doi:10.1002/9780470172766.
+  and it heaves where half of a level of cells, with a tenth of the ground above it, is open. Undrained ground that has
+  just been loaded has no effective stress, either, but has not expanded; ground that opens beside a wall or at a
+  slope's toe leaves most of its level. Source: Terzaghi (1943), Theoretical Soil Mechanics, doi:10.1002/9780470172766.
 */
 #define NO_STRESS 1e-6 /* of the water's pressure */
 #define PARTED    0.02 /* expansion */

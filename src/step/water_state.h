@@ -1,6 +1,6 @@
 #pragma once
 /*
-  The pressure of water that a scene starts from, and where it is held (water_state.c).
+  The initial pressure of water, and nodes where it is prescribed (water_state.c).
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -8,11 +8,12 @@
 
 /* Reads the level; materials, loads, grid and layout are known. */
 PetscErrorCode MpmWaterRead(MpmModel model, const MpmOptions *options);
-/* The pressure of the points with ids in [first, end) at the time of the state: water at rest, and the bodies' excess. Collective. */
+/* The pressure of the points with ids in [first, end) at the time of the state: water at rest, and the bodies' excess.
+   Collective. */
 PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end);
 /*
-  Pressures at nodes that a step to `time` does not solve for: those not below the level, and in a geostatic stage all, as the
-  points have them. Constraints and space are set up.
+  Prescribed pressures at nodes in a step to `time`: those not below the level, and in a geostatic stage all, as at the
+  points. Constraints and space are set up.
 */
 PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time);
 /* A line on the lowest pressure where water would boil, once a stage; otherwise empty. Collective. */
@@ -20,5 +21,5 @@ PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time);
 PetscErrorCode MpmWaterFindTension(MpmModel model, char text[MPM_WATER_TEXT]);
 /* After a step that failed: another reason where a point's pores are as good as closed. Collective. */
 PetscErrorCode MpmWaterFindClosed(MpmModel model, MpmOutcome *outcome);
-/* After a step: does rising water lift ground that has no effective stress left? That is a failure. */
+/* After a step: fails where rising water lifts ground without effective stress. */
 PetscErrorCode MpmWaterFindHeave(MpmModel model, MpmOutcome *outcome);

@@ -1,16 +1,17 @@
 /*
-  Absorbing conditions: dashpots at the nodes of a plane where the material ends, which take waves as material beyond it would,
+  Absorbing conditions: dashpots at the nodes of a plane where the material ends, with the impedance of material beyond
+  it,
 
     t = -rho c_p v_n n - rho c_s v_t ,     c_p = sqrt(M/rho) ,  c_s = sqrt(G/rho)
 
-  with the moduli of the points in the cells beside the plane, at their states. Shapes have the value of their edge at the nodes on it: a
-  node's area is the sum of V_p/h, over the points of the first cells, times their weights along the plane. A wave that comes in
-  with the velocity v through the plane has the force 2 rho c v.
+  with the moduli of the points in the cells beside the plane, at their states. Shapes have the value of their edge at
+  the nodes on it: a node's area is the sum of V_p/h, over the points of the first cells, times their weights along the
+  plane. An incoming wave with the velocity v through the plane has the force 2 rho c v.
 
-  Waves of normal incidence are taken whole; others less, by their angle.
+  Waves of normal incidence are absorbed wholly; others less, by their angle.
 
-  Source: Lysmer, Kuhlemeyer (1969), J. Eng. Mech. Div. ASCE 95, 859-877; Joyner, Chen (1975), Bull. Seism. Soc. Am. 65, 1315-1336,
-  for waves that come in.
+  Source: Lysmer, Kuhlemeyer (1969), J. Eng. Mech. Div. ASCE 95, 859-877; Joyner, Chen (1975), Bull. Seism. Soc. Am. 65,
+  1315-1336, for incoming waves.
 */
 #include "geometry/geometry.h"
 #include "point/material.h"

@@ -1,16 +1,16 @@
 /*
-  What takes motion from the material, by the velocity v = factor u + rest of a step:
+  Damping of the material, by the velocity v = factor u + rest of a step:
 
     Rayleigh          a M v, M the lumped mass, and b times the stress of the law's elastic moduli for the strain rate,
                       tau = b (lambda tr(d) I + 2 mu d), d = sym(grad v)
-    bulk viscosity    the pressure q = rho l (c_2^2 l D^2 - c_1 c D) where D = tr(d) < 0, l the smallest size of a cell and c the
-                      speed of waves: it spreads shocks over a few cells
+    bulk viscosity    the pressure q = rho l (c_2^2 l D^2 - c_1 c D) where D = tr(d) < 0, l the smallest size of a cell
+                      and c the speed of waves, which spreads shocks over a few cells
     dashpots          at the nodes of absorbing conditions, spread over their plane where the mass is consistent
 
   Moduli are those of the step's start, and gradients are taken at its places: the forces are linear in u but for q.
 
-  Sources: von Neumann, Richtmyer (1950), J. Appl. Phys. 21, 232-237, doi:10.1063/1.1699639; Landshoff (1955), Los Alamos report
-  LA-1930, for the linear part.
+  Sources: von Neumann, Richtmyer (1950), J. Appl. Phys. 21, 232-237, doi:10.1063/1.1699639; Landshoff (1955), Los
+  Alamos report LA-1930, for the linear term.
 */
 #include "grid/grid.h"
 #include "particles/point_mass.h"
@@ -129,15 +129,15 @@ static PetscReal Trace(PetscInt dim, const PetscReal G[])
   return sum;
 }
 
-/* What multiplies a change of D: of lambda and of the bulk viscosity at D. */
+/* Factor on a change of D: of lambda and of the bulk viscosity at D. */
 static PetscReal BulkSlope(const PetscReal viscosity[], PetscReal D)
 {
   return viscosity[0] + (D < 0. ? viscosity[2] - 2. * viscosity[3] * D : 0.);
 }
 
 /*
-  y += the points' forces at the velocities `v` of the local nodes; where `at` is not NULL their change by `v` from there,
-  instead.
+  y += the points' forces at the velocities `v` of the local nodes; where `at` is not NULL their change by `v` from
+  there, instead.
 */
 static PetscErrorCode AddViscous(const MpmDamping *damping, const MpmSum *sum, const PetscReal v[], const PetscReal *at,
                                  PetscReal y[])

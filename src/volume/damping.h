@@ -1,6 +1,6 @@
 #pragma once
 /*
-  What takes motion from the material: Rayleigh's damping, bulk viscosity, and dashpots at nodes (damping.c).
+  Damping of the material: Rayleigh's damping, bulk viscosity, and dashpots at nodes (damping.c).
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -10,8 +10,8 @@
 extern const MpmTerm MpmTermDamping; /* of what moves (damping.c); ctx: MpmDamping */
 
 /*
-  The velocity of a step is v = factor u + rest, u its displacement. Dashpots are those of absorbing conditions (absorbing.c)
-  and, times the nodes' mass, Rayleigh's `mass`.
+  The velocity of a step is v = factor u + rest, u its displacement. Dashpots are those of absorbing conditions
+  (absorbing.c) and, times the nodes' mass, Rayleigh's `mass`.
 */
 struct MpmDamping {
   PetscBool            active;            /* in the step */
@@ -30,11 +30,11 @@ struct MpmDamping {
 #define MPM_VISCOSITIES 4
 
 PetscErrorCode MpmDampingReset(MpmDamping *damping);
-/* Does anything take motion away? */
+/* True where any damping acts. */
 PetscBool MpmDampingAny(const MpmDamping *damping);
 /*
-  The step's velocities at the local nodes, factor u + rest, and the dashpots of its inertia; once the term is prepared. An explicit step
-  has the factor 0. Collective.
+  The step's velocities at the local nodes, factor u + rest, and the dashpots of its inertia; once the term is prepared.
+  An explicit step has the factor 0. Collective.
 */
 PetscErrorCode MpmDampingSet(MpmDamping *damping, const MpmSpace *space, const MpmInertia *inertia, PetscReal factor,
                              const PetscReal rest[]);
@@ -45,10 +45,10 @@ PetscErrorCode MpmAbsorbingDashpots(const MpmDamping *damping, const MpmSum *sum
 
     c_ij = M_ij (s_i + s_j)/2 ,   s_i = c_i / sum_j M_ij over the plane's nodes j,
 
-  and has `spread` s in their place. Their sum stays. With a mass that is spread and dashpots that are not, waves along the plane, as those
-  at an angle are, would meet an impedance that is not theirs. Collective (absorbing.c).
+  and has `spread` s in their place. Their sum stays. With a spread mass and dashpots that are not, waves along the
+  plane, as those at an angle are, would meet another impedance than their own. Collective (absorbing.c).
 */
 PetscErrorCode MpmAbsorbingSpread(MpmDamping *damping, const MpmSpace *space, const MpmMassMatrix *mass);
-/* The forces of waves that come in through them, each rank's part, with velocities of the time `time`, times `scale`. */
+/* Forces of incoming waves, each rank's share, with velocities of the time `time`, times `scale`. */
 PetscErrorCode MpmAbsorbingLoad(const MpmDamping *damping, const MpmSum *sum, PetscReal time, PetscReal scale,
                                 PetscReal force[]);

@@ -1,32 +1,34 @@
 /*
-  Ghost penalty: a cure for small-cut nodes, those that only a sliver of the material touches.
+  Ghost penalty: a stabilization of small-cut nodes, those that only a sliver of the material touches.
 
-  The grid's field is a spline of degree p, linear basis functions (p = 1) under GIMP too, and a polynomial on each piece between knots: the
-  grid's cells, or for even p the cells around nodes. Pieces that a point's domain touches are material; one with a
-  neighbour in the grid that is none is an edge piece. On every face F between two material pieces, one of them at least
-  an edge piece or made of a material with sparse points, the step's increment u gets the energy
+  The grid's field is a spline of degree p, linear basis functions (p = 1) under GIMP too, and a polynomial on each knot
+  span: the grid's cells, or for even p the cells around nodes. Spans that a point's domain touches are material; one
+  with an empty neighbour in the grid is an edge span. On every face F between two material spans, one of them at least
+  an edge span or made of a material with sparse points, the step's increment u gets the energy
 
     (gamma/2) E_s h_n^{2p-1} Int_F |[d^p u/dn^p]|^2 dA ,    h_n^p [d^p u/dn^p] = the (p + 1)-th difference of u along n
 
-  over the p + 2 nodes that the two pieces share out along the normal n; along the face the spline's mass matrix of one
-  piece integrates. E_s is Young's modulus of the stiffest material beside the face. The badly supported node is
-  tied to the polynomial extension of its neighbours, whatever sliver touches it, and the energy vanishes for any
-  polynomial of degree p. Being on increments, it puts no lasting force on the material. Where a spline ends, at the
-  grid's edge or a wall, nodes beyond have the coefficients that the shape functions give them.
+  over the p + 2 nodes that the two spans share out along the normal n; along the face the spline's mass matrix of one
+  span integrates. E_s is Young's modulus of the stiffest material beside the face. The badly supported node is tied to
+  the polynomial extension of its neighbours, whatever sliver touches it, and the energy vanishes for any polynomial of
+  degree p. Acting on increments, it puts no lasting force on the material. Where a spline ends, at the grid's edge or a
+  wall, nodes beyond have the coefficients of the shape functions there.
 
-  Beside the displacement, where a physics has a factor for it, the one other component gets the same on its total, with that
-  factor in place of E_s: for a pore pressure dt m + h^2/(2 mu), with m the mobility, the second fading with the first, so that
-  it holds to its neighbours whether water has time to flow or not. The penalty's rows sum to zero: no water comes of it.
+  Beside the displacement, where a physics has a factor for it, the one other component gets such an energy on its
+  total, with that factor in place of E_s. For a pore pressure it is dt m + h^2/(2 mu), with m the mobility, the second
+  fading with the first, so that the pressure is tied to its neighbours whether water has time to flow or not. The
+  penalty's rows sum to zero: no water comes of it.
 
-  Sparse points, one a cell on some axis from the start or by stretch, see too little of the grid's field: nodal displacements that alternate from cell
-  to cell strain no point, and a body folds up in them as it bends. These modes have the largest jumps of all, so that the
-  penalty on every face, with gamma of at least MPM_GHOST_SPARSE, gives them back their stiffness. For a smooth field the
-  jump is of order h^p and the penalty of the order of the discretisation error (Burman and Hansbo 2004,
-  doi:10.1016/j.cma.2003.12.032, stabilise convection in this way).
+  Sparse points, one a cell on some axis from the start or by stretch, do not resolve the grid's field: nodal
+  displacements that alternate from cell to cell strain no point, and a body folds up in them as it bends. These modes
+  have the largest jumps of all, so that the penalty on every face, with gamma of at least MPM_GHOST_SPARSE, restores
+  their stiffness. For a smooth field the jump is of order h^p and the penalty of the order of the discretisation error
+  (Burman and Hansbo 2004, doi:10.1016/j.cma.2003.12.032, stabilise convection in this way).
 
-  Flow whose dilation is less than its friction loses ellipticity long before a peak: increments that alternate from one row of cells to the
-  next cost nothing, or less. An interior penalty, of the displacement alone, is the same energy on every face with a factor of its own
-  (MpmRules): the shorter a band, the firmer it is held, and it fades with h as the above does.
+  Flow whose dilation is less than its friction loses ellipticity long before a peak: increments that alternate from one
+  row of cells to the next cost nothing, or less. An interior penalty, of the displacement alone, is this energy on
+  every face with a factor of its own (MpmRules): the shorter a band, the stronger its effect, and it fades with h as
+  the above does.
 
   A face is a group of nodes without points: numbering and sparsity treat it like one.
 
@@ -57,14 +59,14 @@ struct MpmFace {
   PetscInt    first[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* edges: nodes at which splines end */
   MpmEdgeType edge[MPM_MAX_DIM];
   PetscReal   stiffness;   /* gamma E_s, Pa */
-  PetscReal   gamma;       /* that of what is not displacement: 0 where the face has none but the interior penalty */
+  PetscReal   gamma;       /* of components other than displacement: 0 where the face has only the interior penalty */
   PetscInt    material[2]; /* on its two sides */
   PetscReal   along[MPM_MAX_DIM][FACE_WIDTH * FACE_WIDTH]; /* the matrix is their Kronecker product */
 };
 
 /*
-  The material pieces around this rank's nodes: 0 where there is none, or a mark. Layers across the last axis, along which bodies' parts
-  lie apart, are empty until something in them is marked.
+  The material spans around this rank's nodes: 0 where there is none, or a mark. Layers across the last axis, along
+  which bodies' parts lie apart, are empty until a span in them is marked.
 */
 typedef struct {
   const MpmSpace *space;
@@ -173,8 +175,8 @@ static void Mark(const CellMap *map, const MpmMaterial materials[], const PetscI
 }
 
 /*
-  Are points as far apart here as they are at one a cell? A material without history may also have been stretched so far;
-  where it flows, its points have deformed further than what is elastic in it.
+  True where points are as far apart here as they are at one a cell. A material without history may also have been
+  stretched so far; where it flows, its points have deformed further than its elastic strain.
 */
 static PetscBool IsSparse(const MpmRules *rules, const MpmPoints *points, PetscInt p)
 {
@@ -382,7 +384,8 @@ static const PetscReal mass[3][16]      = {
 };
 static const PetscReal whole[3] = {6., 120., 5040.};
 
-/* Adds `value` to the nodes of the box that stand for node `node`: itself, or those that have it at or beyond an edge. */
+/* Adds `value` to the nodes of the box that represent node `node`: itself, or those with its coefficient at or beyond
+   an edge. */
 static void Fold(const MpmFace *face, const MpmGroup *box, PetscInt a, PetscInt node, PetscReal value, PetscReal to[])
 {
   const PetscInt inside = face->edge[a] == MPM_EDGE_OPEN ? 1 : 0; /* the first node that stands for itself */
@@ -398,7 +401,8 @@ static void Fold(const MpmFace *face, const MpmGroup *box, PetscInt a, PetscInt 
   }
 }
 
-/* The jump over the face at the nodes of its box along the normal. None where an edge has removed the knot: PETSC_FALSE. */
+/* The jump over the face at the nodes of its box along the normal. None where an edge has removed the knot:
+   PETSC_FALSE. */
 static PetscBool Jump(const MpmFace *face, const MpmGroup *box, PetscReal jump[])
 {
   PetscReal most = 0.;
@@ -455,7 +459,8 @@ static PetscBool FaceBox(const MpmSpace *space, const MpmRules *rules, const Pet
     face->edge[a]  = MpmEdgeOf(rules->edge, face->degree, face->upper[a] - face->lower[a]);
     face->first[a] = piece[a] + FirstNode(face->degree);
     last           = face->first[a] + face->degree + (a == face->axis);
-    /* what stands for nodes beyond an edge, and at an open one on it, must be in the box */
+    /* the box must contain the nodes that represent those beyond an edge, and at an open one on it */
+
     reach = face->edge[a] == MPM_EDGE_OPEN ? face->degree : 1;
     from  = face->edge[a] == MPM_EDGE_OPEN ? 0 : 1;
     low   = PetscMax(face->first[a], face->lower[a]);
@@ -531,7 +536,7 @@ static PetscInt ListFaces(const CellMap *map, const MpmRules *rules, PetscInt pi
   return count;
 }
 
-/* May points of any material be sparse? */
+/* True where points of any material may be sparse. */
 static PetscBool AnySparse(const MpmRules *rules)
 {
   for (PetscInt m = 0; rules->sparse > 0. && m < rules->material_count; m++)
@@ -578,7 +583,7 @@ static void AxisApply(PetscInt before, PetscInt n, PetscInt after, const PetscRe
   }
 }
 
-/* Components that the penalty acts on: those of the displacement, and the one beside it where the physics has a factor for it. */
+/* Components with the penalty: those of the displacement, and the one beside it where the physics has a factor. */
 static PetscInt Components(const MpmSum *sum)
 {
   const MpmLayout *layout = sum->layout;
@@ -587,7 +592,7 @@ static PetscInt Components(const MpmSum *sum)
   return layout->ghost && layout->block == dim + 1 && !layout->shape_of[dim] ? dim + 1 : dim;
 }
 
-/* Does the face's matrix reach into dry ground? The slope of the pressure jumps where that begins. */
+/* True where the face's matrix reaches into dry ground, where the slope of the pressure jumps. */
 static PetscBool IsDry(const MpmSum *sum, const MpmFace *face)
 {
   const MpmGroup *box   = &sum->space->groups[sum->space->faces.begin + (PetscInt)(face - sum->space->faces.face)];
@@ -600,14 +605,14 @@ static PetscBool IsDry(const MpmSum *sum, const MpmFace *face)
 
 #define LONG 1e20 /* in which all that is stored flows off */
 
-/* What the penalty on the water's pressure stands for: flow and storage, or flow alone. */
+/* Penalty on the water's pressure: flow and storage, or flow alone. */
 static PetscReal Flow(const MpmSum *sum, const MpmPhysicsMaterial *of, const PetscReal parameter[], PetscReal h)
 {
   return sum->drained ? sum->layout->ghost(of, parameter, LONG * sum->dt, h) / LONG
                       : sum->layout->ghost(of, parameter, sum->dt, h);
 }
 
-/* What a face's matrix is multiplied by, for one of them. */
+/* Factor on a face's matrix, for one of the components. */
 static PetscReal Factor(const MpmSum *sum, const MpmFace *face, PetscInt c)
 {
   PetscReal factor[2];

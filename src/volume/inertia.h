@@ -14,10 +14,10 @@ extern const MpmTerm MpmTermInertia; /* of the points' mass (inertia.c); ctx: Mp
   displacement, and at_rest what the integrator makes of velocities and accelerations at the step's start (dynamics.c).
 */
 struct MpmInertia {
-  PetscBool  dynamic;      /* does a stage of the scene have inertia? */
-  PetscBool  settles;      /* may one settle? */
-  PetscBool  active;       /* does the step have it? */
-  PetscBool  consistent;   /* is its mass? */
+  PetscBool  dynamic;      /* a stage of the scene has inertia */
+  PetscBool  settles;      /* a stage may settle */
+  PetscBool  active;       /* the step has inertia */
+  PetscBool  consistent;   /* its mass is consistent */
   PetscReal  factor;       /* 1/s2 */
   PetscInt   local, owned; /* nodes of the step's space */
   PetscReal *mass;         /* kg, lumped, of all local nodes; */
@@ -30,11 +30,11 @@ PetscErrorCode MpmInertiaReset(MpmInertia *inertia);
 /* Room for the local nodes of the space. */
 PetscErrorCode MpmInertiaResize(MpmInertia *inertia, const MpmSpace *space);
 /*
-  Of values at the local nodes that are means of the points', weighted by mass, free components come closer to those that have the
-  points' momentum with the consistent mass, M v = sum_p m_p w_p v_p: the first correction of Richardson's iteration,
-  v += v - M_l^{-1} M v with the lumped mass M_l. What is left of a mean's smoothing is of fourth order in the cell.
-  Source: Hammerquist, Nairn (2017), Comput. Meth. Appl. Mech. Eng. 318, 724-738, doi:10.1016/j.cma.2017.01.035 (XPIC, which
-  iterates the same).
+  Corrects nodal values that are means of the points', weighted by mass: free components come closer to those with the
+  points' momentum by the consistent mass, M v = sum_p m_p w_p v_p. This is the first correction of Richardson's
+  iteration, v += v - M_l^{-1} M v with the lumped mass M_l. The remaining smoothing of a mean is of fourth order in the
+  cell. Source: Hammerquist, Nairn (2017), Comput. Meth. Appl. Mech. Eng. 318, 724-738, doi:10.1016/j.cma.2017.01.035
+  (XPIC, which repeats this).
 */
 PetscErrorCode MpmInertiaSharpen(const MpmInertia *inertia, const MpmSum *sum, const MpmConstraints *constraints,
                                  PetscReal values[]);

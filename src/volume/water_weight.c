@@ -3,16 +3,16 @@
 
     f_i = sum_p phi_i rho_w (J - 1) V_0 g
 
-  beside the load of gravity, which takes the points' mass as it was. J is det F of the step's end by the point's own
-  increment, 1 + tr(F - I) at small strain; the mean over a cell, F-bar's, gives the cell the same weight. The derivative of a
-  point is of rank one: a row phi_i g_a and a column d J / d u_j,b.
+  beside the load of gravity, which uses the points' initial mass. J is det F of the step's end by the point's own
+  increment, 1 + tr(F - I) at small strain; the mean over a cell, F-bar's, gives the cell an equal weight. The
+  derivative of a point is of rank one: a row phi_i g_a and a column d J / d u_j,b.
 */
 #include "space/point_loop.h"
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
 #include "volume/volume.h"
 
-/* A point: row[a*n + i] and column[b*n + j] of the derivative, and the water's volume J - 1 that the row is multiplied by. */
+/* A point: row[a*n + i] and column[b*n + j] of the derivative, and the water's volume J - 1, factor of the row. */
 typedef struct {
   PetscReal *row, *column, taken;
 } Rank;
@@ -59,7 +59,7 @@ static void Evaluate(const MpmSum *sum, PetscInt p, PetscInt n, const MpmBasis *
   }
 }
 
-/* What is wanted of the points, all optional: their forces, element blocks, diagonal blocks, or the action on du. */
+/* Results for the points, all optional: their forces, element blocks, diagonal blocks, or the action on du. */
 typedef struct {
   PetscReal       *residual, *blocks, *y;
   const PetscReal *du;

@@ -1,6 +1,6 @@
 /*
-  The state as an object: a copy of it returns with the points, and a step taken twice from it ends at the same place; numbers of a
-  checkpoint by name.
+  The state as an object: a copy of it returns with the points, and a step taken twice from it ends at the same place;
+  numbers of a checkpoint by name.
 
   Ranks: 1 3
 */

@@ -1,6 +1,7 @@
 /*
-  Every term of the residual by itself, against the matrix of its own element blocks: its action, its transposed action and its
-  diagonal; and the gradient of a quadratic term's energy against its residual. The scenes together have all terms.
+  Every term of the residual by itself, against the matrix of its own element blocks: its action, its transposed action
+  and its diagonal; and the gradient of a quadratic term's energy against its residual. The scenes together have all
+  terms.
 
   Ranks: 1 2 3
 */
@@ -222,7 +223,7 @@ static PetscErrorCode Gradient(MpmModel model, PetscInt k, const PetscReal v[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The term's forms against its matrix; has it a matrix other than 0? */
+/* The term's forms against its matrix; `acts`: the matrix is not 0. */
 static PetscErrorCode Look(MpmModel model, PetscInt k, PetscInt scene, PetscBool *acts)
 {
   const MpmDiscretization *disc  = &model->disc;
