@@ -2,9 +2,9 @@
 """Comments and documents keep to the rules of CONTRIBUTING.md, "Words".
 
 Comments of C sources, in the rooms of ROOMS: no line beyond COLUMNS, no sentence that begins with one of BEGINNINGS, no
-question. Documents, those of PAGES: no line beyond COLUMNS but in a table, a mean sentence of MEAN words at most and no
-sentence above LONGEST; code blocks, tables, headings, equations and references are no sentences. Both: no synonym that
-the glossary forbids. One line a failure: the file, its line, and the words. A copy with faults put in must show each.
+question. Documents, those of PAGES: no line beyond COLUMNS but in a table, no such beginning, a mean sentence of MEAN
+words at most and none above LONGEST; code blocks, tables, headings, equations and references are no sentences. Both: no
+synonym that the glossary forbids. One line a failure: the file, its line, and the words. A copy with faults put in must show each.
 
 Both lists only grow. `test_words.py --all` reports every room and page.
 
@@ -20,7 +20,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ROOT, Test  # noqa: E402
 
 ROOMS = ("src", "include", "physics", "materials", "tests/unit")
-PAGES = ("README.md", "CONTRIBUTING.md", "docs/*.md", "examples/*/README.md", "scripts/bench/README.md")
+PAGES = ("README.md", "CONTRIBUTING.md", "docs/*.md", "examples/*/README.md", "scripts/bench/README.md",
+         "materials/README.md", "physics/README.md", "tests/README.md")
 COLUMNS, MEAN, LONGEST = 120, 20, 40
 BEGINNINGS = ("what", "it", "they", "that", "so", "the same")
 ALL_ROOMS = ROOMS
@@ -104,6 +105,8 @@ def check_page(path, text, forbidden):
             yield from find_synonyms("synonym", path, number, re.sub(r"`[^`]*`", "", line), forbidden)
     found = list(sentences(text))
     for line, words in found:
+        if words[0][0].isupper() and BEGINNING.match(" ".join(words[:3])):
+            yield Fault("beginning", path, line, f"begins with {' '.join(words[:3])!r}")
         if len(words) > LONGEST:
             yield Fault("sentence", path, line, f"{len(words)} words: {' '.join(words[:8])} ...")
     mean = sum(len(words) for _, words in found) / max(len(found), 1)
@@ -133,6 +136,7 @@ FAULTS = (  # (kind, file of the copy, text that is put in)
     ("beginning", "src/base/fault.c", "/* A row.\n   The same holds for columns. */\n"),
     ("question", "src/base/fault.c", "/* Does it converge? */\n"),
     ("synonym", "src/base/fault.c", "/* velocity after a kick */\n"),
+    ("beginning", "docs/fault.md", "A word. It fails.\n"),
     ("columns", "docs/fault.md", "x" * COLUMNS + "y\n"),
     ("sentence", "docs/fault.md", "Word" + "\nword" * LONGEST + ".\n" + "A word.\n" * 9),
     ("mean", "docs/fault.md", ("Word" + "\nword" * MEAN + ".\n") * 3),
