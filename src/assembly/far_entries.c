@@ -68,7 +68,7 @@ static void AddFollowers(const Far *far, const PetscInt neighbour[])
   }
 }
 
-/* All entries that links and couples ask for, in no order, some more than once. */
+/* All entries of links and couples, in no order, some more than once. */
 static void AddAllFar(const Far *far, const PetscInt neighbour[])
 {
   const MpmSpace      *space = far->space;

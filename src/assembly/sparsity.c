@@ -152,10 +152,8 @@ static PetscInt LongestRow(const MpmPattern *pattern)
   return pattern->window + most;
 }
 
-/*
-  This rank's entries in ghost rows, told to their owners: for each row the owner's number of it, the count, and the
-  columns.
-*/
+/* This rank's entries in ghost rows, sent to their owners: for each row the owner's number of it, the count, and the
+   columns. */
 static PetscErrorCode ExchangeGhostRows(const MpmPattern *pattern, const MpmSpace *space, MPI_Comm comm,
                                         const Neighbours *found, MpmLists *received)
 {

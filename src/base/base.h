@@ -165,7 +165,7 @@ typedef enum {
 
 /* Messages of the engine while it runs, to a listener; times of its tasks. */
 typedef struct MpmMonitor {
-  PetscErrorCode (*message)(void *ctx, PetscBool line, const char text[]); /* NULL: nobody listens */
+  PetscErrorCode (*message)(void *ctx, PetscBool line, const char text[]); /* NULL: no listener */
   void         *ctx;
   PetscReal     seconds[MPM_TIME_COUNT];
   PetscLogEvent event[MPM_TIME_COUNT];     /* the tasks in -log_view */

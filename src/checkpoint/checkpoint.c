@@ -225,7 +225,7 @@ static PetscErrorCode WritePoints(MpmModel model, const MpmStateFile *state, Pet
     const MpmPointField *field = &particles->fields[k];
 
     PetscCall(MpmParticlesGetField(particles, field->name, &array[k]));
-    if (!k) continue; /* the ids tell the rows */
+    if (!k) continue; /* rows follow from the ids */
     set[k - 1] = (MpmDataset){.name       = field->name,
                               .components = field->components,
                               .real       = field->integer ? NULL : (const PetscReal *)array[k],

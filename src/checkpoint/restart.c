@@ -131,7 +131,7 @@ static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
 
 /* ---- choice of the checkpoint, and comparison with this scene ---- */
 
-/* The newest that is whole; each that is not is told of. */
+/* The newest that is whole; each that is not is reported. */
 static PetscErrorCode FindLatest(MpmModel model, char path[PETSC_MAX_PATH_LEN], MpmCheckpointHead *head)
 {
   const PetscInt64 collective = (PetscInt64)PetscMin(model->results->checkpoint.collective, 1e18);
@@ -349,7 +349,7 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
   MpmParticles *particles = model->state.particles;
   PetscInt      rows = restart->points, first = 0, count, *place, *id, *key;
   PetscBool     same, moved;
-  MpmOutcome    outcome; /* the next step tells of it */
+  MpmOutcome    outcome; /* reported by the next step */
 
   PetscFunctionBeginUser;
   PetscCall(MpmStateLoad(&model->state, &restart->values, "grid_")); /* the points are on the grid of their time */
@@ -410,8 +410,7 @@ PetscErrorCode MpmRestartApply(MpmModel model)
                 "-mpm_time_end: stage %s of the checkpoint %s begins at %g, not at %g",
                 model->scene.stages[model->state.stage].name, restart->path, (double)start,
                 (double)model->state.time_start);
-  if (model->state.dt_nominal != dt_nominal)
-    model->state.dt_wanted = model->state.dt_nominal; /* the user wants another step */
+  if (model->state.dt_nominal != dt_nominal) model->state.dt_wanted = model->state.dt_nominal; /* changed by the user */
   if (!strcmp(model->results->checkpoint.from, "latest"))
     model->results->checkpoint.step = model->state.step; /* one of the kept files */
   MpmCheckInput(model->state.time_end >= model->state.time * (1. - 1e-12),

@@ -27,7 +27,7 @@ struct MpmPairs {
 /* In explicit steps: the mean of a side as that of a place beside its own (body_impact.c). In 2D the rotation is about
    z. */
 typedef struct {
-  PetscBool turns;                             /* its nodes tell how it turns */
+  PetscBool turns;                             /* its rotation follows from its nodes */
   PetscReal middle[MPM_MAX_DIM];               /* where the mean of the nodes stands, m */
   PetscReal offset[MPM_MAX_DIM];               /* from there to where the patch's force acts, m */
   PetscReal inverse[MPM_MAX_DIM][MPM_MAX_DIM]; /* turning by moment of the nodes' displacements, 1/m2 */
@@ -55,7 +55,7 @@ typedef struct {
   MpmPatchSide side[2];
 } MpmPairPatch;
 
-/* A facet as the ranks tell one another of it. */
+/* A facet as exchanged between ranks. */
 typedef struct MpmPairFacet MpmPairFacet;
 
 /* Those of this rank. */

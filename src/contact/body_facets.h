@@ -11,7 +11,7 @@ struct MpmPairFacet {
   PetscReal place[MPM_MAX_DIM], area[MPM_MAX_DIM], size,
     cell[MPM_MAX_DIM];               /* size: half the edge of a face; cell: of its point */
   PetscReal look[MPM_MAX_DIM], seen; /* outward normal of the surface, and the area seen along it; 0: a step's, */
-                                     /* which tells nothing of the surface */
+                                     /* independent of the surface */
   PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* weights by axis */
   PetscReal modulus, strength, plastic;       /* of the material: Pa, Pa, plastic flow */
   PetscInt  placed;                           /* on the surface that cut the lattice */

@@ -203,7 +203,7 @@ PetscErrorCode MpmFaceBoxesBegin(MpmContacts *contacts, const MpmPoints *points)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The boxes of few points, where they are asked for. */
+/* The boxes of few points, made on request. */
 static PetscErrorCode Make(MpmFaceBoxes *boxes, PetscInt dim, const MpmPoints *points)
 {
   const PetscInt count = (points->count + SIDE_BY_SIDE - 1) / SIDE_BY_SIDE;

@@ -13,12 +13,12 @@ typedef struct {
   PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], square;
 } MpmFaceBox;
 
-/* Boxes of points that stand side by side in storage, once one of them is asked for, and the one around them all. */
+/* Boxes of points that stand side by side in storage, made on request, and the one around them all. */
 struct MpmFaceBoxes {
   PetscBool     made;
   PetscInt      count, capacity;
   MpmFaceBox   *box, all;
-  PetscBool    *far; /* of the boundary that was asked for last */
+  PetscBool    *far; /* of the last boundary of a request */
   PetscLogEvent search;
 };
 

@@ -60,7 +60,7 @@ PetscErrorCode MpmRigidRefuses(const void *ctx, MpmOutcome *outcome);
 */
 PetscErrorCode MpmRigidRelax(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool follows,
                              const PetscScalar last[], PetscScalar x[]);
-/* A free body that contact lets go on in one component of its motion (a term's `unheld`). Collective. */
+/* Reports a free body with a component of motion that contact does not support (a term's `unheld`). Collective. */
 PetscErrorCode MpmRigidUnheld(const void *ctx, const MpmSum *sum, const PetscReal u[], MpmOutcome *outcome);
 /* True where a body has left the place about which its contacts were searched. */
 PetscBool MpmRigidStray(const void *ctx, const MpmSum *sum, const PetscReal u[]);

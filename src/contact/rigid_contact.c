@@ -424,7 +424,7 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
 #define RAISE 10.  /* by this, and */
 #define MOST  100. /* by no more than this in all: multigrid gives up beyond 1000 */
 
-/* Depths over what is wanted, the worst of all, and the shifts that would make up for them. */
+/* Depths over the accepted ones, the worst of all, and the shifts that would remove them. */
 static PetscErrorCode FindShifts(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal shift[],
                                  PetscReal *worst)
 {

@@ -14,7 +14,7 @@
 struct _p_MpmRamp {
   PetscInt   count;
   PetscReal *time, *factor;
-  PetscReal *first, *second; /* integrals from the first row on to each; NULL: not asked for yet */
+  PetscReal *first, *second; /* integrals from the first row on to each; NULL: not needed yet */
 };
 
 static PetscErrorCode SetIntegrals(MpmRamp ramp);

@@ -32,7 +32,7 @@ typedef struct {
   MpmTriangles triangles;
 } MpmSolid;
 
-/* Reads -<prefix>type, side, and what the type asks for; see solid.c. Collective. */
+/* Reads -<prefix>type, side, and the options of the type; see solid.c. Collective. */
 PetscErrorCode MpmSolidRead(const MpmOptions *block, PetscInt dim, MpmSolid *solid);
 PetscErrorCode MpmSolidDestroy(MpmSolid *solid);
 /* Its point, centre or tip; the centroid of a polygon or of what triangles enclose. */

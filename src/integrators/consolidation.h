@@ -1,6 +1,6 @@
 #pragma once
 /*
-  Consolidation of a stage: told, and where it ends (consolidation.c).
+  Consolidation of a stage: report, and end of the stage (consolidation.c).
 */
 #include "base/base.h"
 #include "base/types.h"

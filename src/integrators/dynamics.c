@@ -155,7 +155,7 @@ static void SetConstrained(MpmModel model, const PetscReal values[], PetscReal f
   MpmFramesToAxes(constraints, dim, local, array);
 }
 
-/* Prescribed unknowns have the velocities and accelerations that they are told to have, at the step's start */
+/* Prescribed velocities and accelerations of unknowns, at the step's start */
 static PetscErrorCode StartConstrained(MpmModel model)
 {
   MpmDynamics *dynamics = model->state.scheme.dynamics;

@@ -9,8 +9,8 @@
 /* Rows of the state (base/rows.h). */
 PetscErrorCode MpmTimeErrorAddRows(MpmModel model);
 /*
-  The error in time that chooses the steps (time_error.c): Begin notes the fields as a stage starts,
-  Factor is how much longer the next step may be than the last one tried, by its estimate: infinity where nobody asks.
+  The error in time that chooses the steps (time_error.c): Begin notes the fields as a stage starts, Factor is the ratio
+  of the next step's allowed length to that of the last one tried, by its estimate: infinity without error control.
 */
 PetscErrorCode MpmTimeErrorBegin(MpmModel model);
 PetscReal      MpmTimeErrorFactor(const MpmModel model);

@@ -184,7 +184,7 @@ PetscErrorCode MpmHistoryMark(MpmHistory history, MpmHistoryPlace *place)
 #define LARGEST_COUNT 9007199254740992.
 #define COLUMN_WIDTH  25 /* of a number with its separator */
 
-/* Most columns of most rows are 0 or a small count: those ask for no printf. */
+/* Most columns of most rows are 0 or a small count, written without printf. */
 static PetscErrorCode AppendValue(MpmTextFile *line, double value, char separator)
 {
   const PetscBool count = (PetscBool)(value == floor(value) && fabs(value) < LARGEST_COUNT);

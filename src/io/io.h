@@ -120,7 +120,7 @@ PetscErrorCode MpmOutputWriteGrid(MpmOutput output, PetscInt step, PetscReal tim
 PetscErrorCode MpmOutputSetBehind(MpmOutput output, PetscReal behind);
 /* Reals in single precision. */
 PetscErrorCode MpmOutputSetSingle(MpmOutput output, PetscBool single);
-/* States of at least so many bytes (64 MiB unless told) are written by all ranks together, smaller ones by rank 0. */
+/* States of at least so many bytes (default 64 MiB) are written by all ranks together, smaller ones by rank 0. */
 PetscErrorCode MpmOutputSetCollective(MpmOutput output, PetscInt64 bytes);
 /* True where the results file exists. */
 PetscBool MpmOutputStarted(MpmOutput output);
@@ -130,7 +130,7 @@ PetscErrorCode MpmOutputGetFiles(MpmOutput output, const char **h5_path, const M
 /* Appends further states to an existing results file; the indices (rank 0) are those so far, or NULL. Collective. */
 PetscErrorCode MpmOutputContinue(MpmOutput output, const char *index, const char *grid_index);
 
-/* No rank hands more bytes than this (1 GiB unless told) to HDF5 at once: MPI-IO fails at 2 GiB. */
+/* No rank passes more bytes than this (default 1 GiB) to HDF5 at once: MPI-IO fails at 2 GiB. */
 PetscErrorCode MpmOutputSetSlab(MpmOutput output, PetscInt64 bytes);
 PetscErrorCode MpmOutputDestroy(MpmOutput *output);
 
@@ -210,7 +210,7 @@ PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *vers
 
 typedef struct {
   long long format, step, size; /* size: bytes in all */
-  long long run;                /* a number that tells one run from another; restarts belong to their run */
+  long long run;                /* identifies a run; restarts belong to their run */
   uint64_t  hash;
 } MpmCheckpointHead;
 

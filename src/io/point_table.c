@@ -31,7 +31,7 @@ struct _p_MpmPointFile {
   PetscBool   run;
   MpmCsvTable csv; /* rank 0 */
   PetscInt    known_count;
-  char      **known; /* columns and datasets that have been asked for */
+  char      **known; /* columns and datasets in use */
 };
 
 /* A complaint that rank 0 has, or an empty one: all ranks end with it, or none. */
@@ -317,7 +317,7 @@ PetscBool MpmPointFileIsRun(MpmPointFile file)
   return file->run;
 }
 
-/* ---- what nobody asked for ---- */
+/* ---- unused columns and datasets ---- */
 
 static PetscErrorCode CheckName(MpmPointFile file, const char *name, char message[MESSAGE_LENGTH])
 {

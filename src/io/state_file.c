@@ -137,7 +137,7 @@ PetscErrorCode MpmNumberRows(MPI_Comm comm, PetscInt count, const PetscInt id[],
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A rank without rows has no arrays and so cannot tell what kind of numbers the others write. */
+/* A rank without rows has no arrays, so the kind of numbers comes from the others. */
 static PetscErrorCode AgreeOnKinds(Writer *writer, PetscInt dataset_count, const MpmDataset datasets[])
 {
   PetscMPIInt count;

@@ -53,7 +53,7 @@ static PetscInt GradientInput(const MpmLayout *layout, PetscInt component)
   return k;
 }
 
-/* The kernel's inputs at the face's point and the pressure beyond the wanted one. */
+/* The kernel's inputs at the face's point and the pressure beyond the prescribed one. */
 static void Begin(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[],
                   Flow *flow)
 {

@@ -35,7 +35,7 @@ PetscErrorCode MpmFillOwnStates(MpmModel model);
 PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscInt b);
 PetscErrorCode MpmFillFromFiles(MpmModel model);
 PetscErrorCode MpmFillParts(MpmModel model);
-/* The particles with the fields that the scene asks for, and no points yet. */
+/* The particles with the fields of the scene, and no points yet. */
 PetscErrorCode MpmPointFieldsCreate(MpmModel model);
 /* Makes the points, sends them to their ranks, and finds loaded and tracked ones; the discretization is set up. */
 PetscErrorCode MpmPointsCreate(MpmModel model);

@@ -17,7 +17,7 @@ static PetscReal Noise(PetscInt a, PetscInt b)
   return 2. * (x - PetscFloorReal(x)) - 1.;
 }
 
-/* Adds noise to the unknowns that nobody holds, or makes a direction of it. */
+/* Adds noise to the free unknowns, or makes a direction of it. */
 static PetscErrorCode AddNoise(MpmModel model, PetscReal cells, PetscInt seed, Vec x)
 {
   const MpmDiscretization *disc = &model->disc;

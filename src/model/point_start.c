@@ -211,7 +211,7 @@ static PetscErrorCode BeginStages(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the points that are tracked, moved and followed, and what stages ask for. */
+/* Finds the points that are tracked, moved and followed, and those of stages. */
 static PetscErrorCode SelectPoints(MpmModel model)
 {
   PetscFunctionBeginUser;

@@ -158,7 +158,7 @@ static PetscErrorCode OpenResults(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Options of PETSc's that nobody has used by now. */
+/* Options of PETSc's that are still unused. */
 static PetscErrorCode WarnUnused(MpmModel model, MpmMoment moment)
 {
   const MpmOptions options = {model->comm, NULL, model->record};
@@ -254,7 +254,7 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- what the caller asks and sets ---- */
+/* ---- settings and requests of the caller ---- */
 
 PetscErrorCode MpmModelStop(MpmModel model)
 {

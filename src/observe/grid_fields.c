@@ -55,7 +55,7 @@ static PetscErrorCode ListSpanned(const MpmSpace *space, PetscInt corners, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Cells whose lowest node is another rank's are told to it: several ranks may span one. */
+/* Cells whose lowest node is another rank's are sent to it: several ranks may span one. */
 static PetscErrorCode HandOver(const MpmSpace *space, const MpmGrid *grid, PetscInt corners, PetscInt nodes[])
 {
   MpmLists     sent = {0}, received = {0};
@@ -266,7 +266,7 @@ PetscErrorCode MpmLatticeWrite(MpmModel model)
   if (!model->disc.committed) {
     PetscCall(MpmStepSpace(model, &outcome));
     if (outcome.code) PetscFunctionReturn(PETSC_SUCCESS);             /* the step will say so */
-    PetscCall(MpmModelPrescribe(model, model->state.time, &outcome)); /* a contradiction the step tells of */
+    PetscCall(MpmModelPrescribe(model, model->state.time, &outcome)); /* a contradiction, reported by the step */
   }
   PetscCall(NodeArraysCreate(model, &arrays));
   PetscCall(CellsCreate(model->disc.space, model->disc.grid, &cells));

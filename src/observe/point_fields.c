@@ -212,7 +212,7 @@ static PetscErrorCode FillRate(const void *ctx, PetscReal values[])
 
 /* ---- the list ---- */
 
-/* All fields of a model that may be chosen. Points may be NULL where only names are wanted. */
+/* All fields of a model that may be chosen. Points may be NULL for names alone. */
 typedef struct {
   PetscInt    count;
   MpmDataset *set;

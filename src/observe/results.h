@@ -80,7 +80,7 @@ struct MpmResults {
 /* Results (results.c). */
 PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block);
 PetscErrorCode MpmModelWriteState(MpmModel model); /* the points */
-PetscErrorCode MpmModelWriteGrid(MpmModel model);  /* where it is wanted */
+PetscErrorCode MpmModelWriteGrid(MpmModel model);  /* where the scene has it */
 PetscErrorCode MpmModelCreateHistory(MpmModel model);
 PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt);
 PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status);

@@ -12,13 +12,13 @@
 static volatile sig_atomic_t caught;
 static struct {
   int              number;
-  PetscBool        ignored, once; /* once: who sends it again does not want to wait */
+  PetscBool        ignored, once; /* once: a second signal ends at once */
   struct sigaction before;
 } actions[] = {
   {.number = SIGTERM},
   {.number = SIGUSR1},
   {.number = SIGINT, .once = PETSC_TRUE},
-  {.number = SIGXFSZ, .ignored = PETSC_TRUE} /* a file beyond the limit on its size: the write tells */
+  {.number = SIGXFSZ, .ignored = PETSC_TRUE} /* a file beyond the limit on its size: the write reports it */
 };
 
 static void TakeNote(int number)

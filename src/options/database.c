@@ -63,10 +63,8 @@ static PetscErrorCode PairsAdd(PetscInt *count, Pair *pairs, const char name[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  PetscOptionsGetAll() gives one string in which values cannot be told from names, so that its words only serve as
-  candidates.
-*/
+/* PetscOptionsGetAll() returns one string without distinction of values and names, so that its words only serve as
+   candidates. */
 PetscErrorCode MpmDatabaseGet(PetscInt *count, Pair **pairs, char **text)
 {
   PetscInt  left, words = 0;
@@ -99,7 +97,7 @@ PetscErrorCode MpmDatabaseIsOurs(const char name[], PetscBool *ours)
   char head[5];
 
   PetscFunctionBegin;
-  while (*name == '-') name++; /* --mpm_dim, to PETSc, is the option -mpm_dim of one dash more, which nobody asks for */
+  while (*name == '-') name++; /* --mpm_dim, to PETSc, is the option -mpm_dim of one dash more, which is never used */
   PetscCall(PetscStrncpy(head, name, sizeof(head)));
   PetscCall(PetscStrcasecmp(head, "mpm_", ours));
   PetscFunctionReturn(PETSC_SUCCESS);

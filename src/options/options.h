@@ -44,7 +44,7 @@ typedef enum { MPM_OPTIONAL, MPM_REQUIRED } MpmNeed;
 /* True where the run is only for -help: values are then not to be relied on, and their consequences must be skipped. */
 PetscBool MpmOptionsHelp(void);
 
-/* Prints the heading of a block when -help asks for it. */
+/* Prints the heading of a block with -help. */
 PetscErrorCode MpmOptionsHeading(const MpmOptions *options, const char *title);
 
 /* One option of numbers, as the manual, the check and the record know it. */
@@ -57,7 +57,7 @@ typedef struct {
 
 /*
   `count` values exactly, comma-separated. `values` holds the default on entry when the need is optional. `set` (may be
-  NULL) tells whether the option was given. Not-a-number is never accepted.
+  NULL): the option was given. Not-a-number is never accepted.
 */
 PetscErrorCode MpmOptionsReadReals(const MpmOptions *options, const MpmNumberOption *option, PetscInt count,
                                    PetscReal values[], PetscBool *set);
@@ -112,11 +112,11 @@ PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscB
   blocks that a later list leaves out, NULL for none; free with PetscFree().
 */
 PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options, char **warning);
-/* When options are looked through that nobody has used: after the first linear solve, and at the end of the run. */
+/* Times of the search for unused options: after the first linear solve, and at the end of the run. */
 typedef enum { MPM_BEFORE_SOLVE, MPM_AFTER_SOLVE, MPM_AT_END } MpmMoment;
 /*
-  Collective. Says on stderr, once for each, which options of PETSc's nobody has used that the user gave and that would
-  have been asked for by now. For a record that MpmOptionsCheckUnknown() has seen.
+  Collective. Lists on stderr, once for each, the user's options of PETSc's that are unused and would have been used by
+  now. For a record that MpmOptionsCheckUnknown() has seen.
 */
 PetscErrorCode MpmOptionsWarnUnused(const MpmOptions *options, MpmMoment moment);
 /* The option of PETSc's, "-name value", whose value an error message of PETSc's quotes; empty where there is none. */

@@ -29,7 +29,7 @@ typedef struct {
   const char *fallback; /* the default as text; NULL for none */
   MpmNeed     need;
   PetscBool   lasting;  /* the default lies in the accepted range */
-  PetscBool   presence; /* the caller wants to know whether the option is there */
+  PetscBool   presence; /* the caller needs to know whether the option is there */
 } ItemSpec;
 
 /* Text given by the user. */
@@ -504,7 +504,7 @@ PetscErrorCode MpmOptionsPath(const MpmOptions *options, const char *name, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Options are looked up without regard to case, so names that differ in case only would share their block. */
+/* Options are looked up case aside, so names that differ in case only would share their block. */
 static PetscErrorCode CheckName(const Item *item, const ItemSpec *spec, PetscInt index, char *const names[])
 {
   const char *name = names[index];

@@ -9,15 +9,15 @@
 /* Ends the run where one of them has a value that PETSc would take for a number and fail, or that is not finite. */
 PetscErrorCode MpmForeignOptionsCheck(void);
 
-/* Keeps the user's among them for MpmOptionsWarnUnused(), and lets go of them (unused.c). */
+/* Keeps the user's among them for MpmOptionsWarnUnused(), and drops them (unused.c). */
 PetscErrorCode MpmForeignOptionsKeep(MpmRecord record);
 PetscErrorCode MpmForeignOptionsForget(MpmRecord record);
 
-/* One option that a reader has asked for. */
+/* One option that a reader has used. */
 typedef struct {
   char     *name;
   char     *value;    /* in force; NULL when there is none that could be read again */
-  PetscBool known;    /* a reader has asked for it, and has not merely looked whether it is there */
+  PetscBool known;    /* a reader has used it, beyond a test of its presence */
   PetscBool given;    /* by the user */
   PetscBool presence; /* somebody asked whether it was given: written as a key it would change its meaning */
   PetscBool list;     /* of blocks */

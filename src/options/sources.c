@@ -54,7 +54,7 @@ PetscErrorCode MpmSourcesAdd(MpmSources sources, const char path[], PetscOptions
   sources->path[sources->path_count] = NULL;
   if (path) PetscCall(PetscStrallocpy(path, &sources->path[sources->path_count]));
   sources->path_count++;
-  PetscCall(PetscOptionsLeftGet(options, &count, &names, &values)); /* all: nobody has used one */
+  PetscCall(PetscOptionsLeftGet(options, &count, &names, &values)); /* all: none has been used */
   if (sources->count + count > sources->capacity) {
     sources->capacity = 2 * sources->capacity + count;
     PetscCall(PetscRealloc(sizeof(*sources->given) * (size_t)sources->capacity, &sources->given));

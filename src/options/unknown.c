@@ -153,10 +153,7 @@ static PetscErrorCode Warn(const MpmRecordEntry *list, const char first[], Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Options that have not been asked for and not been refused are those that are left out: the run's options are without
-  them.
-*/
+/* Options neither used nor refused are left out: the run's options are without them. */
 static PetscErrorCode SetAside(MpmRecord record, PetscInt count, const Pair pairs[])
 {
   PetscFunctionBegin;

@@ -10,7 +10,7 @@
 
 #include <string.h>
 
-/* PETSc asks for these when it ends. */
+/* PETSc uses these when it ends. */
 static const char *const at_the_end[] = {
   "citations",   "get_total_flops", "log",          "log_all",      "log_mpe",      "malloc_debug",
   "malloc_dump", "malloc_test",     "malloc_view",  "memory_view",  "mpidump",      "no_signal_handler",

@@ -12,7 +12,7 @@
 #define BYTES_PER_POINT_3D 1000.
 #define BYTES_PER_NODE     60. /* of the box of cells around the material, touched or not */
 
-/* Memory of all machines that the ranks run on, in GB; infinite where the system does not tell. */
+/* Memory of all machines that the ranks run on, in GB; infinite where the system does not report it. */
 static PetscErrorCode MachineMemory(MPI_Comm comm, PetscReal *memory)
 {
   MPI_Comm    node;

@@ -245,7 +245,7 @@ static void Describe(MpmParticles *particles, PetscInt id, const char *what, con
            (double)x[1], third);
 }
 
-/* All ranks learn what the lowest of those that have something to tell has written in particles->lost. */
+/* All ranks get the text in particles->lost of the lowest rank that has one. */
 static PetscErrorCode ShareLost(MpmParticles *particles, const MpmGrid *grid, PetscBool tell, PetscBool *told)
 {
   PetscMPIInt rank = tell ? grid->rank : grid->size;

@@ -20,13 +20,13 @@ typedef struct MpmParticles {
   PetscInt       field_count;
   MpmPointField *fields; /* all of them, id first */
   PetscInt       dim, stress_size, state_size, own_size, rates;
-  MpmPoints     *held; /* the fields, from the first time that they are asked for until the number of points changes */
-  PetscInt       lent; /* number of loans not yet restored */
+  MpmPoints     *held;     /* the fields, from their first use until the number of points changes */
+  PetscInt       lent;     /* number of loans not yet restored */
   PetscBool      has_mass; /* set before MpmParticlesCreate() */
   PetscInt64     total;
   PetscReal      imbalance; /* points on the fullest rank over their mean, the most so far */
   PetscInt       rebalances;
-  char           lost[192]; /* tells of a point that is lost; empty while all are there */
+  char           lost[192]; /* description of a lost point; empty while all are there */
   PetscBool      gone;      /* missing, not merely in a wrong place */
 } MpmParticles;
 
@@ -93,10 +93,8 @@ PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, 
                                   PetscReal longest, PetscInt *divided);
 /* Spare places of the DMSwarm: without any, it reallocates and clears all fields for each point that leaves. */
 #define MPM_PARTICLES_SPARE 16
-/*
-  Moves the partition, not the points, when the fullest rank holds too many and another partition has a good part fewer,
-  or `always`; `moved` tells.
-*/
+/* Moves the partition, not the points, when the fullest rank holds too many and another partition has clearly fewer,
+   or `always`; `moved`: it has. */
 PetscErrorCode MpmParticlesRebalance(MpmParticles *particles, MpmGrid *grid, PetscBool always, PetscBool *moved);
 /* Both: points at their ranks, ranks about equally full. Failure: a lost point. */
 PetscErrorCode MpmParticlesDistribute(MpmParticles *particles, MpmGrid *grid, MpmOutcome *outcome);

@@ -5,7 +5,7 @@
 #include "base/base.h"
 #include "base/types.h"
 
-#define MPM_INCREMENT(dim) (2 * (dim) * ((dim) + 1)) /* numbers that tell of the last two steps' increments */
+#define MPM_INCREMENT(dim) (2 * (dim) * ((dim) + 1)) /* numbers of the last two steps' increments */
 
 /* The points' fields, lent by MpmParticlesGetArrays(); NULL where a field is not registered. */
 typedef struct MpmPoints {

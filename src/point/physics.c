@@ -82,7 +82,7 @@ MpmStretch MpmStretchFindQuick(PetscInt dim)
   return dim == 2 ? MpmStretchQuick_2d_0 : MpmStretchQuick_3d_0;
 }
 
-/* The shape that a field asks for, among those that others have asked for. */
+/* The shape of a field, among those of other fields. */
 static PetscErrorCode FindShape(const MpmPhysics *physics, PetscInt f, MpmLayout *layout, PetscInt *shape)
 {
   const MpmField     *field  = &physics->fields[f];

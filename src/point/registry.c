@@ -117,7 +117,7 @@ PetscErrorCode MpmPhysicsRegister(const MpmPhysics *physics)
 
 typedef PetscErrorCode (*Register)(const MpmPluginHost *host);
 
-/* Opens the file on this rank; `fault` tells why that is not possible, and is empty where it is. */
+/* Opens the file on this rank; `fault` is the reason of a failure, and otherwise empty. */
 static PetscErrorCode Open(const char path[], void **handle, char fault[], size_t size)
 {
   const char *version;

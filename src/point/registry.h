@@ -15,7 +15,7 @@ PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *i
 PetscBool MpmLawFindAll(const char *name, PetscInt dim, MpmFunction law[], MpmLawInfo *info);
 /* A built-in physics with its compiled kernels. */
 PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool *found);
-/* Appends the names of all physics that scenes may ask for. */
+/* Appends the names of all physics for scenes. */
 PetscErrorCode MpmPhysicsList(char **words);
 /* The function that gives the diagonal of U = sqrt(F^T F). */
 MpmStretch MpmStretchFind(PetscInt dim);

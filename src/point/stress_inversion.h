@@ -1,6 +1,6 @@
 #pragma once
 /*
-  States with a wanted stress.
+  States with a given stress.
 */
 #include "base/base.h"
 #include "base/types.h"

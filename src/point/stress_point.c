@@ -30,7 +30,7 @@ const char *const MpmStressMeasures[] = {"cauchy", "kirchhoff", NULL};
 #define NOISE        16.   /* machine epsilons of stiffness and stress: the residual that rounding leaves */
 #define SINGULAR     1e-12 /* of the law's stiffness: singular values below are rounding */
 #define STALLED      1e-10 /* of the stress: a residual below this at which a line search stagnates is rounding too */
-#define STRESS_MET   1e-8  /* relative: how near the stress at the start must be to the wanted one */
+#define STRESS_MET   1e-8  /* relative: tolerance of the stress at the start */
 
 static PetscBool IsSmallStrain(const MpmStressPoint *point)
 {
@@ -175,7 +175,7 @@ static PetscErrorCode FillResidual(const MpmStressPoint *point, const PetscScala
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Every rank takes the array, also of nothing: it tells the vector that norms are to be found anew. */
+/* Every rank takes the array, also an empty one: the vector's norms are then computed anew. */
 static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
 {
   const MpmStressPoint *point = (const MpmStressPoint *)ctx;

@@ -26,7 +26,7 @@ typedef struct {
 
 /* The point at the end of a step. Strain and F count from the start, not from where the law has no stress. */
 typedef struct {
-  PetscReal  strain[MPM_SPACE_SYM], stress[MPM_SPACE_SYM]; /* in the measures asked for; - and Pa */
+  PetscReal  strain[MPM_SPACE_SYM], stress[MPM_SPACE_SYM]; /* in the measures of the test; - and Pa */
   PetscReal  F[9];                                         /* 3 x 3, row-major */
   PetscReal *history;                                      /* of the law */
 } MpmPointState;

@@ -6,7 +6,7 @@
 
 /*
   The Jacobian's action without a matrix. With `stored` each point keeps its tangent; otherwise one dual direction makes
-  the product each time it is asked for. With `differences` the plain kernel is differenced in place of duals.
+  each product. With `differences` the plain kernel is differenced in place of duals.
 */
 typedef struct {
   const MpmSum   *sum;

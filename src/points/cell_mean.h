@@ -55,7 +55,7 @@ static inline PetscInt MpmCellEnd(const MpmSum *sum, const MpmCell *cell)
 /* Basis functions, inputs from the nodal values u, and their change from du; either may be NULL. */
 PetscErrorCode MpmCellInputs(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], const PetscReal du[],
                              MpmCellWork *work);
-/* m_bar from the inputs, and its derivatives; those of m of second order where they are asked for. */
+/* m_bar from the inputs, and its derivatives; those of m of second order where they are needed. */
 PetscErrorCode MpmCellMean(const MpmSum *sum, const MpmCell *cell, PetscBool second, MpmCellWork *work,
                            PetscInt *failed);
 /* All of that at u, and the whole fluxes, with the mean's contribution; with the step's end where the sum has room for

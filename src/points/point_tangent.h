@@ -41,7 +41,7 @@ MPM_INLINE PetscBool PointTangent(const MpmKnown known, const MpmSum *sum, Petsc
   return (PetscBool)!sum->layout->kernel->tangent(&point, input, at->flux_here, at->tangent_here);
 }
 
-/* Where the sums over a group's points go; `residual` is NULL where nobody asks for it. */
+/* Destinations of the sums over a group's points; `residual` may be NULL. */
 typedef struct {
   PetscReal  *element, *residual;
   PetscReal  *rows;   /* room for AddElement */

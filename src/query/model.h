@@ -19,7 +19,7 @@ typedef struct {
   PetscBool   own;    /* the options were given as text */
   PetscBool   set_up;
   PetscBool   busy;     /* in a call that must not be entered again */
-  PetscBool   stop;     /* the caller asks for the end of the run */
+  PetscBool   stop;     /* the caller requests the end of the run */
   PetscBool   terminal; /* progress and warnings are shown */
   MpmOutcome  outcome;  /* of the last step */
 } MpmCaller;

@@ -69,16 +69,17 @@ typedef struct {
   MpmRelaxationDamping damping;
   PetscReal            tolerance, hold; /* the criteria hold below it, for so long, s; -1: by the damping */
   PetscReal            xi, factor;      /* xi in 1/s, of viscous damping; factor: of local */
-  PetscBool            scaled;          /* nodes have the masses that a long step wants (relaxation.c) */
-  PetscBool            felt;            /* K_F is that of the forces as the points feel them (relaxation.c) */
+  PetscBool            scaled;          /* nodes have the masses required by a long step (relaxation.c) */
+  PetscBool            felt;            /* K_F is that of the forces on the points (relaxation.c) */
   MpmMotionControl     motion;          /* of a rescue, */
   PetscInt             steps;           /* and how many it may take */
 } MpmRelaxation;
 
 /* Strengths are divided by the ramp's factor, over the stage's time; no ramp: they are not (strength_reduction.c). */
 typedef struct {
-  MpmRamp   ramp;
-  PetscReal limit;     /* way of a point, in heights of the slope, that tells the factor of safety; 0: by elasticity */
+  MpmRamp ramp;
+  PetscReal
+    limit; /* displacement of a point, in heights of the slope, that defines the factor of safety; 0: by elasticity */
   PetscReal tolerance; /* of the bracket of that factor, relative */
   PetscBool slide;     /* the stage goes on once the factor is found */
 } MpmReduction;

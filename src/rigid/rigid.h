@@ -25,7 +25,7 @@ typedef struct {
   PetscReal   penetration;    /* m */
   char       *pressure_field; /* of the particles, where augmented */
   char       *gap_field;      /* of the particles, where bilateral */
-  PetscReal   tension;        /* with which a bilateral one lets go for good, Pa; 0: none */
+  PetscReal   tension;        /* pull at which a bilateral one opens for good, Pa; 0: none */
   char       *broken_field;   /* of the particles, where it has a tension: 1 where it has let go */
 } MpmBoundary;
 

@@ -148,13 +148,13 @@ static PetscErrorCode ReadOptions(int argc, char **argv, MpmSources sources, Err
   PetscCall(PetscOptionsDestroy(&alone));
   context->source = NULL;
   PetscCall(PetscFree(rest));
-  /* an option file may ask for the log that PetscInitialize() would have started */
+  /* an option file may request the log that PetscInitialize() would have started */
   PetscCall(PetscOptionsHasName(NULL, NULL, "-log_view", &log));
   if (log) PetscCall(PetscLogDefaultBegin());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Options that ask for information instead of a run; PETSC_FALSE where there are none. */
+/* Options for information instead of a run; PETSC_FALSE where there are none. */
 static PetscErrorCode AnswerQuestions(int argc, int *status, PetscBool *answered)
 {
   char      version[256], *all;

@@ -1,5 +1,5 @@
 /*
-  Stages as they are read: options of their blocks, and whether what they ask for can be had.
+  Reading of stages: options of their blocks, and checks that these are possible.
 */
 #include "options/options.h"
 #include "geometry/geometry.h"

@@ -94,7 +94,8 @@ PetscErrorCode MpmSurfacesTellHeld(MpmModel model)
 
     if (!MpmBodySurfaceIsAll(&surfaces->at[k], model->disc.dim)) continue;
     if (!model->state.loads[model->scene.loads->count + k].active) continue;
-    if (model->state.loads[model->scene.loads->count + k].start < model->state.time_start) continue; /* told before */
+    if (model->state.loads[model->scene.loads->count + k].start < model->state.time_start)
+      continue; /* reported before */
     PetscCall(MpmSurfaceFacesFindHeld(model->disc.surfaces, model->disc.grid, model->state.particles, k, held));
     for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
       if (!held[b]) continue;

@@ -209,7 +209,7 @@ static PetscErrorCode Refuse(MpmModel model, PetscInt body, const char stage[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lowest points of their columns on this rank, once for each point that is wanted beneath; they grow where none is. */
+/* Lowest points of their columns on this rank, once for each new point beneath; the others grow. */
 static PetscErrorCode Grow(MpmModel model, PetscInt body, MpmPoints *points, Columns *columns)
 {
   const PetscInt  dim = model->disc.dim, axis = columns->axis;

@@ -63,7 +63,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- what the model asks ---- */
+/* ---- queries of the model ---- */
 
 /* ---- the points are there ---- */
 
@@ -142,7 +142,7 @@ PetscErrorCode MpmStagesSelect(MpmModel model)
 static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
 {
   PetscInt   first, end;
-  MpmOutcome outcome; /* the next step tells of it */
+  MpmOutcome outcome; /* reported by the next step */
 
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {

@@ -21,7 +21,7 @@ PetscErrorCode MpmSearchTry(MpmSearch *search);
 */
 PetscErrorCode MpmSearchDescend(MpmSearch *search, PetscBool *found);
 PetscErrorCode MpmSearchTaken(MpmSearch *search);
-/* The objective as SNES asks for it; ctx: the solver. */
+/* The objective for SNES; ctx: the solver. */
 PetscErrorCode MpmObjective(SNES snes, Vec x, PetscReal *value, void *ctx);
 /* The program's own line search, as SNES calls it; ctx: the solver. */
 PetscErrorCode MpmLineSearch(SNESLineSearch object, void *ctx);

@@ -12,7 +12,7 @@ typedef struct {
   MpmSolver *solver;
   MpmAction  action;
   PetscReal *du, *y;  /* local nodes */
-  PetscReal *inverse; /* of the diagonal blocks of owned nodes, column-major as PETSc wants them */
+  PetscReal *inverse; /* of the diagonal blocks of owned nodes, column-major for PETSc */
 } Matfree;
 
 /* Local values of a vector, as components along the axes; constrained unknowns are zero. */
@@ -227,7 +227,7 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x)
   MpmFramesToAxes(solver->disc->constraints, solver->disc->block, solver->disc->space->local, free->du);
   MpmConstraintsExtend(solver->disc->constraints, solver->disc->space, free->du);
   PetscCall(MpmActionSetState(&free->action, free->du, &failed));
-  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY)); /* tells preconditioners that it has changed */
+  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY)); /* marks the change for preconditioners */
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -69,7 +69,7 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The sums over points that the Jacobian consists of, in the way that was asked for. */
+/* The sums over points of the Jacobian, in the chosen form. */
 static PetscErrorCode SumJacobian(MpmSolver *solver, Vec x, Mat P)
 {
   PetscInt failed;

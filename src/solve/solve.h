@@ -41,14 +41,14 @@ typedef struct {
   PetscBool         predicted; /* Newton starts from the increment extrapolated from the last steps */
   PetscBool         lag;       /* a Jacobian may serve for more than one iteration */
   PetscBool         lagged;    /* the last Jacobian did */
-  PetscBool         solving;   /* SNES is at work: others who ask for a Jacobian get a new one */
+  PetscBool         solving;   /* SNES is running: other callers get a new Jacobian */
   PetscBool         ahead;     /* a Jacobian will follow the next residual at the same place: both in one pass */
   PetscReal         fnorm_last;
   PetscBool         rough;    /* this tolerance will do: contact's pressures are yet to be corrected */
   PetscBool         hasty;    /* stop on stagnation; another strategy follows */
   PetscReal         least;    /* the least residual so far, or 10 % more, */
   PetscInt          least_at; /* and after how many iterations */
-  PetscInt          balances; /* iterations that only the balance of what pushes asked for */
+  PetscInt          balances; /* extra iterations demanded by the force-balance test */
   MpmFieldNormsKept fields;
   MpmMinimisation   minimisation;
   PetscReal         imbalance;         /* of free bodies, at the last iterate */
@@ -103,7 +103,7 @@ typedef struct {
   Mat            shell;         /* its action alone, with MPM_JACOBIAN_MATFREE */
   PetscBool      matrix_unused; /* the shell is preconditioner matrix too */
   PetscBool      keep_tangents;
-  PetscBool      careful; /* with contact: a line search that minds kinks, and secants of what slides */
+  PetscBool      careful; /* with contact: a line search for kinks, and secants of sliding */
   Vec            x, f;
   MpmFieldsplit  split;
   MpmEvaluations cache;

@@ -69,7 +69,7 @@ PetscBool MpmStabilityWanted(const MpmSolver *solver)
   return (PetscBool)(Applies(solver) && !solver->unstable.told);
 }
 
-/* Negative eigenvalues of the matrix that was factorised last; 0 where the solver cannot tell. */
+/* Negative eigenvalues of the matrix factorised last; 0 where the solver does not report them. */
 static PetscErrorCode CountNegative(MpmSolver *solver, PetscInt *negative)
 {
   KSP           ksp;

@@ -1,6 +1,6 @@
 /*
-  The active nodes: those that points touch. Every rank tells the owners which of their nodes it touches, the owners
-  number what is touched, and the answers make the scatter between owned nodes and ghosts. Nothing is as large as the
+  The active nodes: those that points touch. Every rank sends the owners the numbers of the nodes that it touches, the
+  owners number these, and the answers make the scatter between owned nodes and ghosts. No array is as large as the
   grid.
 */
 #include "grid/grid.h"

@@ -458,7 +458,7 @@ PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- a field as the points feel it ---- */
+/* ---- a field as the points resolve it ---- */
 
 /* One group's part of M a; `a` and `sums` are [i][c], of the local nodes. */
 MPM_INLINE PetscErrorCode FeelGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const Slim a[],

@@ -16,7 +16,7 @@ typedef struct MpmGroup {
   PetscInt  node_offset;            /* into group_nodes */
   PetscInt  point_begin, point_end; /* into order */
   PetscInt  cell;                   /* into cells, where the physics has a mean */
-  PetscInt  part;                   /* of its points; boxes without points do not tell */
+  PetscInt  part;                   /* of its points; unset for boxes without points */
   PetscBool holes;                  /* some of its nodes may be inactive: local node -1 */
 } MpmGroup;
 

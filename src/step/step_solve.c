@@ -121,7 +121,7 @@ PetscErrorCode MpmStepPredict(MpmModel model)
 }
 
 #define AUGMENTATIONS 40  /* of one step */
-#define NEARLY        30. /* times the depth that is wanted: the next correction should be the last */
+#define NEARLY        30. /* times the accepted depth: the next correction should be the last */
 
 /*
   The multipliers of augmented terms, corrected between solutions until their constraints are met. Only then need these
