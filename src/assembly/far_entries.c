@@ -22,7 +22,7 @@ static PetscInt Targets(const MpmSpace *space, const PetscInt *node, const Petsc
   return 1 + (f < 0 ? 0 : extension->offset[f + 1] - extension->offset[f]);
 }
 
-/* The entries of what a pair of nodes is coupled by: those of their masters, too. */
+/* Entries of a coupled pair of nodes: those of their masters, too. */
 static void AddFarPair(const Far *far, PetscInt row, PetscInt column, PetscBool outside)
 {
   const PetscInt *rows, *columns, row_count = Targets(far->space, &row, &rows);

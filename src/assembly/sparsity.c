@@ -490,7 +490,7 @@ typedef struct {
 static void AddPairRun(const PetscInt bs, PetscReal *row, PetscInt width, PetscInt length, const Pair pair)
 {
   for (PetscInt r = 0; r < bs; r++, row += width) {
-    switch (length * bs) { /* three and four nodes, which is what boxes have on an axis with the usual shapes */
+    switch (length * bs) { /* three and four nodes, the usual shapes' on an axis */
     case 6:
       AddTwo(6, pair.left[r], pair.b, pair.right[r], pair.c, row);
       break;

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  Newton's method as terms take part in it: what they do from iterate to iterate, and what they say of a solution.
+  Newton's method as terms take part in it: their operations from iterate to iterate, and their measures of a solution.
 */
 #include "base/base.h"
 #include "base/types.h"

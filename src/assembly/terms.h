@@ -12,7 +12,7 @@ typedef enum {
   MPM_TERM_CONTACT   = 1 << 0, /* forces of surfaces that meet */
   MPM_TERM_BETWEEN   = 1 << 1, /* between bodies of the grid, which both give way */
   MPM_TERM_BILATERAL = 1 << 2, /* some of these forces act wherever the surfaces are */
-  MPM_TERM_RELEASES  = 1 << 3, /* some of what they hold may be let go */
+  MPM_TERM_RELEASES  = 1 << 3, /* some contacts may open */
   MPM_TERM_RUBS      = 1 << 4, /* tractions along the surfaces */
   MPM_TERM_SLIDES    = 1 << 5, /* bounded ones */
   MPM_TERM_AUGMENTED = 1 << 6, /* multipliers, corrected between Newton's solutions */

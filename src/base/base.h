@@ -15,7 +15,7 @@
 #define MPM_MAX_DIM   3
 #define MPM_MAX_WIDTH 16 /* nodes of a point on an axis */
 
-#define MPM_TOLERANCE 1e-6 /* of a cell: what counts as "on" a region's edge */
+#define MPM_TOLERANCE 1e-6 /* of a cell: distance that is still on a region's edge */
 /* Basis functions of one shape: weights, then derivatives, then weights less their means. */
 #define MPM_BASES          (MPM_MAX_DIM + 2)
 #define MPM_DEVIATION(dim) ((dim) + 1)
@@ -34,8 +34,7 @@
 /* Room for a number or a range as text. */
 #define MPM_NUMBER_TEXT 64
 
-/* Shortest decimal form that reads back as the same number. PETSc's own %g turns 1 into "1.", which is not what a user
-   wrote. */
+/* Shortest decimal form that reads back to an equal number. PETSc's own %g turns 1 into "1.", unlike a user. */
 void MpmRealText(PetscReal value, char text[MPM_NUMBER_TEXT]);
 /* The whole of `text`, blanks around it aside, must be one finite number. */
 PetscBool MpmParseReal(const char text[], PetscReal *value);

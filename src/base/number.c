@@ -33,7 +33,7 @@ PetscBool MpmParseReal(const char text[], PetscReal *value)
   char        *end;
   const double number = strtod(text, &end);
 
-  /* Overflow reads as infinity and is refused with it; underflow to a tiny number or zero is what the user meant. */
+  /* Overflow reads as infinity and is refused with it; underflow to a tiny number or zero is accepted. */
   if (end == text || !OnlyBlanks(end) || !isfinite(number)) return PETSC_FALSE;
   *value = (PetscReal)number;
   return PETSC_TRUE;

@@ -1,5 +1,5 @@
 /*
-  Outcome of a step: what failed, as a code for the program and as a line for people.
+  Outcome of a step: the failure as a code for the program and as a line for people.
 */
 #include <stdarg.h>
 #include "base/outcome.h"

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  Numbers of a run by name: what a checkpoint holds besides the points. Whoever owns a number registers its row.
+  Numbers of a run by name: contents of a checkpoint besides the points. The owner of a number registers its row.
 */
 #include "base/base.h"
 #include "base/types.h"

@@ -33,7 +33,7 @@ typedef struct MpmConditions {
   MpmCondition *at;
 } MpmConditions;
 
-/* Whether a condition acts in the stage, and from when its ramp counts; and what it moves (lost_material.c). */
+/* Activity of a condition in the stage, start of its ramp, and the material that it moves (lost_material.c). */
 struct MpmActing {
   PetscBool active;
   PetscReal start;
@@ -52,7 +52,7 @@ typedef struct {
   const MpmActing      *acting;
   MpmParticles         *particles;
   PetscReal             time_n, time;
-  PetscInt              rate;     /* 0: what the step adds; 1, 2: velocities and accelerations at its end instead */
+  PetscInt              rate;     /* 0: the step's increment; 1, 2: velocities and accelerations at its end instead */
   PetscReal             diagonal; /* a typical stiffness of a node, N/m */
 } MpmPrescription;
 
@@ -136,13 +136,13 @@ void MpmConstraintsExtend(const MpmConstraints *constraints, const MpmSpace *spa
 void MpmConstraintsGather(const MpmConstraints *constraints, const MpmSpace *space, PetscReal forces[]);
 /* Prescribes an unknown that was free. */
 void MpmConstraintsHold(MpmConstraints *constraints, PetscInt unknown, PetscReal value);
-/* Of the first `count` local unknowns: those that are not free become what they are prescribed to be, */
+/* Of the first `count` local unknowns: constrained ones take their prescribed values, */
 void MpmConstraintsPrescribe(const MpmConstraints *constraints, PetscInt count, PetscScalar x[]);
 /* zero, */
 void MpmConstraintsZero(const MpmConstraints *constraints, PetscInt count, PetscScalar x[]);
-/* the diagonal times what `x` has there: their rows of the Jacobian; */
+/* the diagonal times their entries of `x`: their rows of the Jacobian; */
 void MpmConstraintsMultiply(const MpmConstraints *constraints, PetscInt count, const PetscScalar x[], PetscScalar y[]);
-/* or the diagonal times the distance of `x` from what is prescribed: their rows of the residual. */
+/* or the diagonal times the distance of `x` from the prescribed values: their rows of the residual. */
 void MpmConstraintsResidual(const MpmConstraints *constraints, PetscInt count, const PetscScalar x[],
                             PetscScalar residual[]);
 /*

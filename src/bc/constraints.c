@@ -51,7 +51,7 @@ static void NodePosition(const MpmGrid *grid, const MpmSpace *space, PetscInt no
 
 /* ---- motions ---- */
 
-#define SAME 1e-9 /* of two displacements: what rounding may make of equal ones */
+#define SAME 1e-9 /* of two displacements: tolerance of equal ones by rounding */
 
 /* Motions at a node: prescribed axes, the motion of each, and its increment in the step. */
 typedef struct {
@@ -158,7 +158,7 @@ static void MakeFrame(const MpmPrescription *step, const PetscReal x[], PetscInt
   MpmFrameComplete(frame, dim);
 }
 
-/* The frames of this step's nodes, and what they hold. */
+/* The frames of this step's nodes, and their conditions. */
 static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmPrescription *step, const PetscReal *marks,
                                   const MpmGrid *grid, const MpmSpace *space, PetscInt *contradicts)
 {

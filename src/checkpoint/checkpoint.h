@@ -1,6 +1,6 @@
 #pragma once
 /*
-  Checkpoints: when they are written, and with what (checkpoint.c), and runs that go on from one (restart.c).
+  Checkpoints: times and contents (checkpoint.c), and runs that go on from one (restart.c).
 */
 #include "base/types.h"
 #include "options/database.h"
@@ -14,7 +14,7 @@ PetscErrorCode MpmCheckpointScene(MpmModel model, PetscBool given, MpmTextFile *
 /* Keeps the options that continue the run, before presets have added theirs. */
 PetscErrorCode MpmCheckpointKeepOptions(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmCheckpointWrite(MpmModel model);
-/* To be called after each step: writes what is due; `stop`: a signal requests the end of the run. */
+/* To be called after each step: writes due files; `stop`: a signal requests the end of the run. */
 PetscErrorCode MpmCheckpointStep(MpmModel model, PetscBool *stop);
 PetscErrorCode MpmCheckpointDestroy(MpmCheckpoint *checkpoint);
 

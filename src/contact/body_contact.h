@@ -64,7 +64,7 @@ struct MpmPairContacts {
   const MpmBodies *bodies;
   PetscReal (*force)[MPM_MAX_DIM]; /* of the last step, on the first body of each pair */
   PetscReal        cell, touch;    /* the smallest size of a cell; a patch no further away touches */
-  PetscBool        starts;         /* the step is the run's first: what overlaps now touches */
+  PetscBool        starts;         /* the step is the run's first: overlapping bodies touch from now on */
   PetscBool        dynamic;        /* the step has inertia */
   PetscBool        holds;          /* patches of some rank are kept closed */
   PetscBool        near, bare;     /* as at boundaries (MpmContactNewton) */
@@ -93,7 +93,7 @@ PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, const
 PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts);
 /* Finds the step's patches and appends their boxes to the space (a term's `boxes`); collective. */
 PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
-/* Their weights, and what the first bodies' points keep of them (a term's `prepare`). */
+/* Their weights, and their kept values from the first bodies' points (a term's `prepare`). */
 PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step);
 PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
 /*
@@ -128,7 +128,7 @@ PetscErrorCode MpmPairsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[
 void MpmPairArm(const MpmPairPatch *patch, PetscInt s, const MpmSum *sum, PetscInt i, PetscReal arm[]);
 /* Share of a node, by its weight, in a force on a side, 3 numbers, at this arm. */
 void MpmPairNodeForce(const MpmPairLever *lever, const PetscReal force[], const PetscReal arm[], PetscReal at_node[]);
-/* Adds to the mean w, 3 numbers, what turning adds: `moment` is sum_i w_i r_i x u_i. */
+/* Adds the contribution of turning to the mean w, 3 numbers: `moment` is sum_i w_i r_i x u_i. */
 void MpmPairAddTurning(const MpmPairLever *lever, const PetscReal moment[], PetscReal sign, PetscReal w[]);
 /* The points of a patch keep its slip and the gap at which it touches. */
 PetscErrorCode       MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*slip)[MPM_MAX_DIM],

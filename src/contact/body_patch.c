@@ -8,7 +8,7 @@
 #include "contact/body_patch.h"
 #include "contact/contact_law.h"
 
-/* k'/k of what may slide: both sides give way, and many patches turn from sticking to sliding at once */
+/* k'/k of contacts that may slide: both sides yield, and many patches change from sticking to sliding at once */
 #define SLIDING 0.02
 
 /* Pressure and its fall with the gap. */
@@ -26,7 +26,7 @@ static void Pressure(const MpmPairContacts *contacts, const MpmPairPatch *patch,
   answer->pressure = answer->active ? -patch->stiffness * answer->gap : 0.;
 }
 
-/* Adds the traction along the surface, its derivative, and what is kept of the slip. */
+/* Adds the traction along the surface, its derivative, and the slip to be kept. */
 static void Friction(const MpmPairPatch *patch, const MpmContactLaw *law, PetscInt dim, PetscReal rate,
                      MpmPairAnswer *answer)
 {
@@ -78,7 +78,7 @@ void MpmPairEvaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch,
   if (pair->tangential) Friction(patch, &law, dim, rate, answer);
 }
 
-/* Adds what turning of a side adds to the mean displacement. */
+/* Adds the contribution of a side's turning to the mean displacement. */
 static void AddTurning(const MpmPairContacts *contacts, const MpmPairPatch *patch, PetscInt s, const MpmSum *sum,
                        const PetscReal u[], PetscReal w[])
 {

@@ -5,7 +5,7 @@
 #include "contact/body_contact.h"
 #include "space/sum.h"
 
-#define MPM_PAIR_WATER MPM_MAX_DIM /* place of the water beside the axes: difference of pressures, what passes */
+#define MPM_PAIR_WATER MPM_MAX_DIM /* place of the water beside the axes: difference of pressures, flow */
 #define MPM_PAIR_ROWS  (MPM_MAX_DIM + 1)
 
 /* Answer of a patch to a mean relative displacement w. */

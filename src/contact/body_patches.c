@@ -460,7 +460,7 @@ PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- what the points keep ---- */
+/* ---- kept values of the points ---- */
 
 /* The mean of a field over the first body's facets of each patch of a pair. */
 static PetscErrorCode LoadField(const MpmPairContacts *contacts, PetscInt pair, const char *name, PetscInt dim,
@@ -521,7 +521,7 @@ static void OpenPatch(const MpmPairContacts *contacts, const MpmSum *sum, MpmPai
     const MpmMaterial       *material = &sum->materials[contacts->facet[contacts->list[f]].material];
     const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, NULL, sum->layout->dim);
 
-    /* over a length of nothing: what a step of a second lets through */
+    /* over a length of zero: conductance of a step of a second */
     mobility =
       PetscMin(mobility, PetscAbsReal(sum->layout->ghost(&of, material->physics_parameter, 1., 1e-9 * contacts->cell)));
   }

@@ -61,7 +61,7 @@ PetscErrorCode MpmPairsAugment(void *ctx, const MpmSum *sum, const PetscReal u[]
 
 /* ---- at the first of Newton's iterates ---- */
 
-#define NEAR 0.1 /* of a cell: what is farther apart has parted */
+#define NEAR 0.1 /* of a cell: distance beyond which contact is open */
 
 /* True where any patch of the pair touches at u, on any rank. */
 static PetscErrorCode Touches(const MpmPairContacts *contacts, PetscInt pair, const MpmSum *sum, const PetscReal u[],

@@ -54,21 +54,21 @@ typedef struct {
   PetscReal     shift; /* augmented: so far behind, m, the penalty gives the pressure that holds it at 0 */
 } MpmPatch;
 
-/* How Newton's method goes about what may slide (contact_states.c). */
+/* Treatment of sliding by Newton's method (contact_states.c). */
 typedef struct {
   PetscBool careful, secant; /* may take, and takes now, the secants of sliding patches */
   PetscBool holds;           /* and it holds patches, of any rank */
-  PetscReal least;           /* stiffness of what slides along its way, over that across (contact_law.h) */
+  PetscReal least;           /* stiffness of sliding along its direction, over that across (contact_law.h) */
   PetscReal raised;          /* augmented: the stiffness in this step, over that of the penalty; */
   PetscReal deepest;         /* and the depth of the last correction over its tolerance */
-  PetscReal give; /* in this step what may slide, and does not yet, gives by so many times as much as always */
-  PetscBool near; /* in this step there are patches, of any rank */
-  PetscBool bare; /* there were none in the last step that was taken: points keep nothing of contact */
+  PetscReal give;            /* factor on the elastic slip of sticking patches in this attempt */
+  PetscBool near;            /* in this step there are patches, of any rank */
+  PetscBool bare;            /* there were none in the last step that was taken: points keep nothing of contact */
 } MpmContactNewton;
 
 typedef struct MpmFaceBoxes MpmFaceBoxes; /* contact_search.h */
 
-/* Those of this rank's points, and what they do. */
+/* Facets of this rank's points, and their patches. */
 typedef struct MpmContacts {
   PetscInt           boundary_count;
   const MpmBoundary *boundaries;
@@ -112,7 +112,7 @@ void MpmBoundaryAdvance(const MpmContacts *contacts, PetscInt boundary, PetscInt
 typedef struct {
   PetscBool active, any, slides;                                    /* the mean acts; a facet does */
   PetscReal stiffness;                                              /* of the mean: 0 where it does not act */
-  PetscReal gap, slip[MPM_MAX_DIM];                                 /* slip: what is kept of it */
+  PetscReal gap, slip[MPM_MAX_DIM];                                 /* slip: to be kept */
   PetscReal traction[MPM_MAX_DIM];                                  /* along the surface */
   PetscReal by_slip[MPM_MAX_DIM][MPM_MAX_DIM], by_gap[MPM_MAX_DIM]; /* its derivatives */
 } MpmPatchAnswer;
@@ -121,8 +121,7 @@ typedef struct {
 typedef struct {
   PetscReal (*value)[MPM_MAX_DIM]; /* their displacements */
   MpmSurface *surface;             /* at the step's end */
-  PetscReal
-    *beyond; /* how far they are beyond what the patch may tilt: < 0 too deep; > 0, of a bilateral one, too far */
+  PetscReal  *beyond; /* distance beyond the tilt of the patch: < 0 too deep; > 0, of a bilateral one, too far */
 } MpmPatchWork;
 
 /*
@@ -135,8 +134,8 @@ PetscErrorCode MpmContactsFollow(void *ctx, const MpmSum *sum, const PetscReal u
 void           MpmContactsEnd(void *ctx);
 
 /*
-  For another try at a step: what may slide gives by `give` times as much until it does, from the tractions with which
-  the step starts; the next `prepare` ends it (contact_states.c).
+  For another attempt at a step: factor `give` on the elastic slip of sticking contact, from the tractions at the step's
+  start; the next `prepare` ends it (contact_states.c).
 */
 void MpmContactsGive(void *ctx, PetscReal give);
 /* By how much a boundary gives. */
@@ -145,7 +144,7 @@ static inline PetscReal MpmContactsGiving(const MpmContacts *contacts, PetscInt 
   return contacts->boundaries[boundary].stick ? 1. : contacts->newton.give;
 }
 
-/* One patch (contact_patch.c): k' of what may slide, over the stiffness across. */
+/* One patch (contact_patch.c): k' of contact that may slide, over the stiffness across. */
 PetscReal      MpmPatchAlong(const MpmContacts *contacts, const MpmPatch *patch);
 PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *work);
 PetscErrorCode MpmPatchWorkDestroy(MpmPatchWork *work);
@@ -154,7 +153,8 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
 /* At displacements u of the local nodes; of a boundary whose motion is prescribed. */
 void MpmPatchEvaluateAt(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                         MpmPatchWork *work, MpmPatchAnswer *answer);
-/* The slip that is kept becomes that at displacements u, where contact acted at others: at most what it slides at. */
+/* The kept slip becomes that at displacements u, where contact acted at others; when sliding, at most the elastic
+   slip. */
 void MpmPatchKeepSlip(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                       MpmPatchWork *work, MpmPatchAnswer *answer);
 /* The force on the material at a facet. */

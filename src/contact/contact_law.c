@@ -22,7 +22,7 @@
 */
 #include "contact/contact_law.h"
 
-#define ROUGH 10. /* of the pressure: traction of what sticks and may part */
+#define ROUGH 10. /* of the pressure: bound of the sticking traction of contact that may open */
 
 PetscBool MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
                           MpmContactFriction *friction)

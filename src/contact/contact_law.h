@@ -5,18 +5,18 @@
 */
 #include "base/base.h"
 
-/* While Newton's method looks for a state: the derivative of what slides along its way, over the stiffness across. */
+/* During Newton's method: the derivative of sliding along its direction, over the stiffness across. */
 #define MPM_CONTACT_LEAST 1e-8
 
 /* Parameters between two surfaces. */
 typedef struct {
   PetscReal stiffness;          /* across, Pa/m */
-  PetscReal along;              /* stiffness along the surface over that across, of what may slide */
+  PetscReal along;              /* stiffness along the surface over that across, of contact that may slide */
   PetscReal friction, adhesion; /* Coulomb's coefficient; Pa */
   PetscReal strength;           /* of the material itself in shear, Pa; or infinite */
   PetscBool stick;              /* the strength bounds the traction; or, where there is none, */
-  PetscBool parts;              /* a multiple of the pressure, of what may part */
-  PetscBool secant;             /* the derivative by the slip of what slides is its secant, t/s */
+  PetscBool parts;              /* a multiple of the pressure bounds the traction of contact that may open */
+  PetscBool secant;             /* the derivative by the slip when sliding is its secant, t/s */
   PetscReal least;              /* or has this part of the stiffness across along its way */
 } MpmContactLaw;
 

@@ -114,7 +114,7 @@ static void Relative(const MpmPose *before, const MpmPose *after, PetscInt dim, 
   }
 }
 
-/* How far a facet is beyond what a patch may tilt. */
+/* Distance of a facet beyond the tilt of a patch. */
 static PetscReal Beyond(const MpmContacts *contacts, PetscBool holds, PetscReal gap)
 {
   if (gap < -contacts->tilt) return gap + contacts->tilt;

@@ -17,9 +17,9 @@
 #include "contact/contact_law.h"
 #include "contact/rigid_body.h"
 
-#define TURNED 0.5 /* cosine of the angle by which what slides has turned */
-#define RESTED 0.5 /* of the slip that slides now: what was less did not slide */
-#define FAR    2.  /* times what friction holds at the step's start: a slip that is far beyond it */
+#define TURNED 0.5 /* cosine of the angle between successive directions of sliding */
+#define RESTED 0.5 /* of the slip that slides now: below it contact did not slide */
+#define FAR    2.  /* times the limit of friction at the step's start: a slip that is far beyond it */
 
 /* State of a patch at u. */
 static MpmPatchState StateOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],

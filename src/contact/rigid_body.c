@@ -62,7 +62,7 @@ static PetscInt Components(const MpmRigidBody *body, PetscInt node)
   return node && body->dim == 2 ? 1 : body->dim;
 }
 
-/* N/m: what a body's component without any other stiffness gets. */
+/* N/m: stiffness of a body's component without any other. */
 static PetscReal Lift(const MpmContacts *contacts, const MpmSum *sum)
 {
   PetscReal modulus = 0.;
@@ -163,7 +163,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Work of what pushes the bodies, on the rank that owns their nodes; the residual has what contact leaves of it. */
+/* Work of the bodies' loads, on the rank that owns their nodes; the residual has their remainder after contact. */
 static PetscErrorCode Work(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
                            MpmTermWork *account)
 {
@@ -188,7 +188,7 @@ static PetscErrorCode Work(const void *ctx, const MpmSum *sum, const PetscReal a
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The matrix of a body's own: what its load does, and the lift. */
+/* The matrix of a body's own: its load, and the lift. */
 static void OwnBlock(const MpmContacts *contacts, const MpmSum *sum, const MpmRigidBody *body, const PetscReal u[],
                      PetscReal block[2][3][3])
 {
@@ -365,7 +365,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The largest residual of a body over what acts there. */
+/* The largest residual of a body over its forces. */
 static PetscReal Imbalance(const void *ctx, const MpmSum *sum, const PetscScalar residual[])
 {
   const MpmContacts *contacts  = (const MpmContacts *)ctx;

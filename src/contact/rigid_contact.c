@@ -82,7 +82,7 @@ static PetscErrorCode AddSquares(const void *ctx, const MpmSum *sum, const Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* At boundaries whose motion is prescribed: their own work, less what the material gets of it. */
+/* At boundaries with prescribed motion: their own work, less that on the material. */
 static PetscErrorCode Work(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
                            MpmTermWork *account)
 {

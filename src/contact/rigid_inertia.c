@@ -27,7 +27,7 @@ void MpmRigidLend(const void *ctx, PetscReal mass[], PetscReal velocity[], Petsc
   }
 }
 
-/* Six numbers of a body from its two nodes; what is not free stays 0. */
+/* Six numbers of a body from its two nodes; constrained components stay 0. */
 static void FromNodes(const MpmRigidBody *body, const PetscReal nodal[], PetscReal values[])
 {
   for (PetscInt n = 0; n < 2; n++)

@@ -58,7 +58,7 @@ typedef struct {
   const MpmRigidBody      *body;
   const MpmRigidIncrement *q;
   PetscReal                A[3][3];
-  PetscBool                rows; /* as what is balanced */
+  PetscBool                rows; /* of the balanced moment */
 } Frame;
 
 /* Adds `share` of a covector, in the body's frame, of a facet at the arm y: to its nodes and to the body. */

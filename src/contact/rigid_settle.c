@@ -28,11 +28,11 @@
 #define SEARCHES   40
 #define FLAT       0.5
 #define SETTLED    1e-7 /* cells */
-#define SOFT       1e-7 /* of the largest eigenvalue: what has less is not moved */
+#define SOFT       1e-7 /* of the largest eigenvalue: components below it are not moved */
 #define FREE       1e-4 /* of the stiffness against other components of its motion: contact lets a body go */
-#define UNHELD     0.01 /* of what acts in a component: it is not in balance, */
-#define ROUNDING   1e-9 /* unless it is this part of what acts in any */
-#define IMBALANCE  0.1  /* of a body's load: what Newton is left alone with */
+#define UNHELD     0.01 /* of the forces in a component: it is not in balance, */
+#define ROUNDING   1e-9 /* unless below this fraction of the forces in any */
+#define IMBALANCE  0.1  /* residual, relative to the load, below which no settling step is taken */
 
 /* The residual g and its derivative H of the n components of `values` that are solved for. */
 typedef struct {

@@ -269,9 +269,9 @@ PetscErrorCode MpmPiecesAppendBoxes(const MpmContacts *contacts, MpmSpace *space
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- what points keep ---- */
+/* ---- kept values of the points ---- */
 
-/* Of the own pieces, component `slot` of what is kept. */
+/* Of the own pieces, component `slot` of the kept values. */
 static PetscErrorCode LoadField(MpmContacts *contacts, PetscInt b, const char *field, MpmPieceSlot slot,
                                 MpmParticles *particles)
 {

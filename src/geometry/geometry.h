@@ -21,8 +21,8 @@ typedef struct _p_MpmRegion *MpmRegion;
 /* For -help: the options of every type of region. */
 PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm);
 /*
-  Reads -<prefix>region, -<prefix>lower, ...; see region.c. `tolerance` holds one length per axis (1e-6 of a cell): what
-  lies within it of the edge counts as inside. Fails with MPM_ERR_INPUT and one line that names the option.
+  Reads -<prefix>region, -<prefix>lower, ...; see region.c. `tolerance` holds one length per axis (1e-6 of a cell):
+  places within it of the edge count as inside. Fails with MPM_ERR_INPUT and one line that names the option.
 */
 PetscErrorCode MpmRegionCreate(const MpmOptions *options, PetscInt dim, const PetscReal tolerance[], MpmRegion *region);
 PetscErrorCode MpmRegionDestroy(MpmRegion *region);
@@ -54,7 +54,7 @@ PetscBool MpmRegionIsRound(MpmRegion region);
 /* True where the clipping ends a round one, from a place along an axis to a side (0 lower, 1 upper), before its
    surface. */
 PetscBool MpmRegionClips(MpmRegion region, const PetscReal x[], PetscInt axis, PetscInt side);
-/* Puts a place onto the round surface along its normal, which is returned, outward; what it was below it, m. */
+/* Puts a place onto the round surface along its normal, which is returned, outward; returns its former depth, m. */
 PetscReal MpmRegionToRound(MpmRegion region, PetscReal at[], PetscReal normal[]);
 /* Of a round one, m. */
 PetscReal MpmRegionRadius(MpmRegion region);

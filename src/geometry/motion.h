@@ -17,7 +17,7 @@ typedef struct {
 
 /*
   Reads -<prefix>motion, rotation, pivot, ramp and motion_table. Collective. On entry `pivot` holds its default and
-  `growth` what the owner has read of it.
+  `growth` the owner's option.
 */
 PetscErrorCode MpmMotionRead(const MpmOptions *block, PetscInt dim, MpmMotion *motion);
 /* True where it moves at any time. */

@@ -1,5 +1,5 @@
 /*
-  Poses of rigid things: rotation and displacement, and what is carried along.
+  Poses of rigid bodies: rotation and displacement, and places carried along.
 */
 #include "geometry/pose.h"
 

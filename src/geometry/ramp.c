@@ -19,7 +19,7 @@ struct _p_MpmRamp {
 
 static PetscErrorCode SetIntegrals(MpmRamp ramp);
 
-/* Parses one pair in place; returns what is wrong with it, or NULL. */
+/* Parses one pair in place; returns its fault, or NULL. */
 static const char *ParsePair(MpmRamp ramp, char pair[])
 {
   const PetscInt i     = ramp->count;

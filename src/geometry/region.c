@@ -27,7 +27,7 @@ struct _p_MpmRegion {
   PetscInt      dim;
   PetscReal     tolerance[MPM_REGION_DIM];
   PetscReal     lower[MPM_REGION_DIM],
-    upper[MPM_REGION_DIM]; /* bounding box of what counts as inside; infinite where the region is */
+    upper[MPM_REGION_DIM]; /* bounding box of the inside with its tolerance; infinite where the region is */
   PetscReal  clip[2][MPM_REGION_DIM];
   PetscReal  center[MPM_REGION_DIM]; /* sphere; a cylinder's `point` */
   PetscReal  axis[MPM_REGION_DIM];   /* unit vector */
@@ -292,7 +292,7 @@ static PetscErrorCode ReadGeometry(const MpmOptions *options, MpmRegion region)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Leaves what lies between two corners, of which either may be missing. */
+/* Keeps the box between two corners, of which either may be missing. */
 static PetscErrorCode ReadClip(const MpmOptions *options, MpmRegion region)
 {
   PetscFunctionBegin;

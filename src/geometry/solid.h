@@ -35,7 +35,7 @@ typedef struct {
 /* Reads -<prefix>type, side, and the options of the type; see solid.c. Collective. */
 PetscErrorCode MpmSolidRead(const MpmOptions *block, PetscInt dim, MpmSolid *solid);
 PetscErrorCode MpmSolidDestroy(MpmSolid *solid);
-/* Its point, centre or tip; the centroid of a polygon or of what triangles enclose. */
+/* Its point, centre or tip; the centroid of a polygon or of the volume that triangles enclose. */
 void MpmSolidMiddle(const MpmSolid *solid, PetscReal middle[MPM_MAX_DIM]);
 /* True where its radius can grow. */
 PetscBool MpmSolidIsRound(const MpmSolid *solid);

@@ -10,7 +10,7 @@
 #define NOISE    1e-15 /* of a place's distance from an axis, over that from a point of the axis */
 #define TIE      1e-10 /* of sizes: smaller differences of distance are ties, of which the first counts */
 
-/* The part of r across an axis, and its part along; what is rounding alone is nothing. */
+/* Component of r across an axis, and along; rounding errors become 0. */
 static PetscReal SplitAlong(PetscInt dim, const PetscReal axis[], PetscReal r[])
 {
   PetscReal along = 0., square = 0., across = 0.;

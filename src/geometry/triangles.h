@@ -32,7 +32,7 @@ PetscBool MpmTrianglesSupported(void);
 @*/
 PetscErrorCode MpmTrianglesCreate(PetscInt count, const PetscReal corners[], MpmTriangles *triangles, char message[]);
 PetscErrorCode MpmTrianglesDestroy(MpmTriangles *triangles);
-/* Of what they enclose. */
+/* Of the enclosed volume. */
 void MpmTrianglesCentroid(MpmTriangles triangles, PetscReal centroid[MPM_MAX_DIM]);
 /*
   Distance of x, positive outside; exact in double precision. Edges and vertices are round, and so is the second

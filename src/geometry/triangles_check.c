@@ -1,5 +1,5 @@
 /*
-  Makes a surface of loose triangles: finds their vertices, their neighbours and what is wrong with them.
+  Makes a surface of loose triangles: finds their vertices, their neighbours and their faults.
 */
 #include "geometry/triangles_impl.h"
 
@@ -8,7 +8,7 @@
 
 #define THIN 1e-12 /* twice the area of a triangle over the square of its longest edge, at least */
 
-/* Collects what is said of a surface; the first complaint stays. */
+/* Collects messages about a surface; the first one stays. */
 #define COMPLAIN(...) PetscCall(PetscSNPrintf(message, MPM_TRIANGLES_MESSAGE, __VA_ARGS__))
 
 #define PLACE_TEXT (3 * MPM_NUMBER_TEXT + 8)

@@ -18,7 +18,7 @@ struct _p_MpmTriangles {
   MpmNearest nearest;
 };
 
-/* Vertices, half-edges and normals, from the corners of triangles; or what is wrong with them. */
+/* Vertices, half-edges and normals, from the corners of triangles; or their fault. */
 PetscErrorCode MpmTrianglesConnect(MpmTriangles triangles, PetscInt count, const PetscReal corners[], char message[]);
 
 static inline PetscInt MpmHalfNext(PetscInt half)

@@ -37,7 +37,7 @@ typedef struct {
   PetscReal *weight;
   PetscReal *gradient; /* derivatives by xi (divide by h for d/dx) */
   PetscReal *mean;     /* means over the cell, which MpmShapeMean() makes */
-  PetscReal  smooth;   /* share of the means over pieces in what follows, 0: it is not made */
+  PetscReal  smooth;   /* share of the means over knot spans in the weights below, 0: none is made */
   PetscReal *cross;    /* weights that take part in gradients along other axes, */
   PetscReal *slope;    /* and gradients, both smoothed */
 } MpmShapeLine;

@@ -35,7 +35,7 @@
 
 #define UNDRAINED 0.01
 #define DRAINED   1.
-#define LONG      1e20 /* s; in which what flows outweighs what is stored */
+#define LONG      1e20 /* s; flow outweighs storage in it */
 #define LINE      512
 #define SHORT     1e-9 /* of the stage: a step in which nothing flows */
 
@@ -43,7 +43,7 @@ const char *const MpmConsolidationField = "pressure_steady";
 
 /* ---- length ---- */
 
-/* The largest mobility of a material by axes, m2/(Pa s): what the ghost penalty's flow is in a long step. */
+/* The largest mobility of a material by axes, m2/(Pa s): the ghost penalty's flow in a long step. */
 static PetscReal Mobility(const MpmModel model, const MpmMaterial *material)
 {
   const MpmPhysicsMaterial of = MpmMaterialForPhysics(material, NULL, model->disc.dim);

@@ -306,7 +306,7 @@ PetscErrorCode MpmDynamicsAddRows(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lumped masses of the unknowns, those of the nodes that follow them included: what gathered forces have to move. */
+/* Lumped masses of the unknowns, those of the nodes that follow them included: masses of gathered forces. */
 static PetscErrorCode GatherMass(MpmModel model, PetscReal mass[])
 {
   const MpmSpace *space = model->disc.space;

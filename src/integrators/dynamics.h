@@ -1,6 +1,6 @@
 #pragma once
 /*
-  Dynamics: what the integrators with inertia share (dynamics.c).
+  Dynamics: shared by the integrators with inertia (dynamics.c).
 */
 #include "base/base.h"
 #include "base/types.h"

@@ -43,7 +43,7 @@
 #include "integrators/integrators.h"
 #include "integrators/relaxation.h"
 
-#define LIGHT        1e-2 /* of the mass of the lightest material in a cell: what nodes count as at least, */
+#define LIGHT        1e-2 /* of the mass of the lightest material in a cell: lower bound of nodal masses, */
 #define LIGHT_AFFINE 0.25 /* and for affine velocities: a step of cfl 1 is then stable */
 
 /* For how long forces act in the step, s. */
@@ -395,7 +395,7 @@ static void AddGravity(const MpmModel model, const PetscReal gravity[], PetscRea
     for (PetscInt a = 0; a < dim; a++) loads[i * dim + a] += model->disc.inertia->mass[i] * gravity[a];
 }
 
-/* Half of what gravity gains in the step: from that of its start to the mean. */
+/* Half of gravity's increment in the step: from that of its start to the mean. */
 static void GravityGain(const MpmModel model, PetscReal gain[])
 {
   const PetscReal end = model->state.time + model->disc.sum->span;

@@ -1,5 +1,5 @@
 /*
-  A step without inertia: Newton from its start, and what it commits.
+  A step without inertia: Newton's method from its start, and the commit.
 */
 #include "particles/particles.h"
 #include "space/space.h"
@@ -58,9 +58,8 @@ static PetscErrorCode AddWork(MpmModel model)
 }
 
 /*
-  Supports that move do their work by the mean of their forces over the step: those of the balance are of a time further
-  on, by
-  (1/2 - alpha_f) of the step, and a condition's force went there from what it was a step before.
+  Supports that move do their work by the mean of their forces over the step. Those of the balance are of a time further
+  on, by (1/2 - alpha_f) of the step, and a condition's force went there from its value a step before.
 */
 static void CorrectSupports(MpmModel model)
 {
@@ -102,7 +101,7 @@ static PetscErrorCode AcceptStep(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points are untouched until a step is accepted: only what was tried is forgotten. */
+/* The points are untouched until a step is accepted: only the trial is forgotten. */
 static PetscErrorCode RollBackStep(MpmModel model)
 {
   PetscFunctionBeginUser;

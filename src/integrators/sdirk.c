@@ -96,7 +96,8 @@ static PetscErrorCode KeepFirst(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Newton's start in the second stage: what the first has found, with increments in proportion where that is nearer. */
+/* Start of Newton's method in the second sub-step: the result of the first, with increments in proportion where that
+   is nearer. */
 static PetscErrorCode StartSecond(MpmModel model, Vec first)
 {
   const PetscInt bs = model->disc.block;
@@ -160,7 +161,7 @@ static PetscErrorCode SolveStages(MpmModel model, MpmOutcome *outcome)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Of what flows, the first stage has its part in the step; forces are those of the step's end. */
+/* Of the flow, the first sub-step has its share in the step; forces are those of the step's end. */
 static PetscErrorCode Accept(MpmModel model)
 {
   const MpmLayout *layout = model->disc.layout;

@@ -8,7 +8,7 @@
 
 #define MPM_SDIRK_GAMMA (1. - PETSC_SQRT2 / 2.)
 
-/* The step that is tried, and what its first stage found at the points. */
+/* The step under trial, and the result of its first sub-step at the points. */
 struct MpmSdirk {
   PetscReal       time, dt; /* of the step's end, and the whole of its length, s */
   PetscReal      *F, *value, *deviation;

@@ -107,7 +107,7 @@ static PetscErrorCode Gather(const MpmDiscretization *disc, const PetscReal mark
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The integral of the square of what the equations of component c store, over the nodes where it is solved for. */
+/* The integral of the square of the storage by the equations of component c, over the nodes where it is solved for. */
 static PetscErrorCode StoredSquare(MpmModel model, PetscInt c, const MpmKernelStage *first, PetscReal *square)
 {
   MpmDiscretization *disc = &model->disc;

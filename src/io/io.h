@@ -29,14 +29,14 @@ typedef struct {
   const PetscInt64 *integer;
 } MpmAttribute;
 
-/* A dataset of bytes; the size is known to all ranks, what rank 0 holds is written. */
+/* A dataset of bytes; the size is known to all ranks, the data are rank 0's. */
 typedef struct {
   const char *name;
   size_t      size;
   const void *data;
 } MpmBytes;
 
-/* Where a state goes, and what stands beside the rows of its points. */
+/* File of a state, and datasets beside the rows of its points. */
 typedef struct {
   const char         *path, *group;
   PetscBool           append;     /* to the file, which exists; otherwise a new one is made */

@@ -16,7 +16,7 @@
 #define NAME_LENGTH   512 /* of a dataset with its groups */
 
 /*
-  One write under way. A failure anywhere is agreed upon by all ranks and sticks: what follows is skipped, everything
+  One write under way. A failure anywhere is agreed upon by all ranks and sticks: later tasks are skipped, everything
   opened is closed, and the error is raised once, at the end.
 */
 typedef struct {
@@ -471,7 +471,7 @@ static PetscErrorCode WriteNumbers(Writer *writer, const char *group, char path[
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Closes what is open, the file last. */
+/* Closes all that is open, the file last. */
 static PetscErrorCode CloseFile(Writer *writer)
 {
   PetscFunctionBeginUser;
@@ -489,7 +489,7 @@ static PetscErrorCode CloseFile(Writer *writer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* All ranks learn what rank 0 knows, where it wrote alone. */
+/* Sends the result of rank 0 to all ranks, where it wrote alone. */
 static PetscErrorCode ShareFailure(Writer *writer)
 {
   PetscFunctionBeginUser;

@@ -55,7 +55,7 @@ typedef struct MpmSurfaceFaces {
   PetscBool              any_held;
   const MpmWaterTable   *table;     /* of the open water, */
   PetscBool              still;     /* nothing passes: the water's pressure is not solved for */
-  PetscReal              open;      /* and what acts of it in a geostatic stage; otherwise 1 */
+  PetscReal              open;      /* and its active fraction in a geostatic stage; otherwise 1 */
   const MpmKernelSet    *kernel;    /* of the physics without means over cells */
   PetscInt               component; /* of a node's unknowns: the pressure; -1: there is none */
   PetscInt               face_count, face_capacity, weight_capacity;
@@ -66,12 +66,12 @@ typedef struct MpmSurfaceFaces {
 /* `layout` is that of the scene's physics; tolerances of regions by axis, m. */
 PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name, const MpmLayout *layout,
                                     const PetscReal tolerance[], const MpmBodies *bodies, MpmBodySurface *surface);
-/* Adds what drained boundaries are to the list of surfaces, of which count and names are there. */
+/* Adds drained boundaries to the list of surfaces, of which count and names are there. */
 PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBodySurfaces *surfaces);
 /* True where open water stands below its level on one of them. */
 PetscBool      MpmSurfacesOpen(const MpmBodySurfaces *surfaces);
 PetscErrorCode MpmBodySurfacesDestroy(MpmBodySurfaces *surfaces);
-/* Surfaces and what acts of them are borrowed; the latter stand one behind the other. */
+/* Surfaces and their active loads are borrowed; the latter stand one behind the other. */
 PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadActing *acting, MpmSurfaceFaces *faces);
 PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces);
 /* Finds the step's faces and their weights (a term's `boxes`). Collective. */
@@ -86,7 +86,7 @@ PetscErrorCode MpmSurfaceFacesFindHeld(const MpmSurfaceFaces *faces, const MpmGr
                                        PetscInt surface, PetscInt held[]);
 /* Whether it is a body's on all sides. */
 PetscBool MpmBodySurfaceIsAll(const MpmBodySurface *surface, PetscInt dim);
-/* Adds what has passed in the step that u ends; before the points take it over. Collective. */
+/* Adds the flow in the step that u ends; before the points take it over. Collective. */
 PetscErrorCode MpmSurfaceFlowCommit(MpmSurfaceFaces *faces, const MpmSum *sum, const PetscReal u[]);
 /* Refuses surfaces that act, and whose bodies are there, without a face. Collective. */
 PetscErrorCode       MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,

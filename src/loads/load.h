@@ -29,7 +29,7 @@ typedef struct MpmLoads {
   MpmLoad *at;
 } MpmLoads;
 
-/* Whether a load, or what acts on a surface, acts in the stage, and by which factor. */
+/* Activity of a load, or of a surface's load, in the stage, and its factor. */
 struct MpmLoadActing {
   PetscBool active;
   PetscReal start;  /* its ramp counts from here */

@@ -31,7 +31,7 @@ PetscErrorCode MpmBodiesPrepare(MpmModel model);
 /* Initial fields of points besides those of their bodies: the physics' own states, and parts of the material
    (point_start.c). */
 PetscErrorCode MpmFillOwnStates(MpmModel model);
-/* The file of a body, with what the physics keeps of a point; and that into the points, once they have all else. */
+/* The file of a body, with fields of the physics; and that into the points, once they have all else. */
 PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscInt b);
 PetscErrorCode MpmFillFromFiles(MpmModel model);
 PetscErrorCode MpmFillParts(MpmModel model);

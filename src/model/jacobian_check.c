@@ -83,7 +83,7 @@ static PetscErrorCode Action(MpmModel model, Vec x, Mat A, PetscBool stored, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Without what direct solvers are given besides: raised diagonals of weak nodes. */
+/* Without extras for direct solvers: raised diagonals of weak nodes. */
 static PetscErrorCode Compare(MpmModel model, Vec x, MpmJacobianCheck *check)
 {
   const MpmJacobianType type       = model->solver.jacobian_type;

@@ -9,7 +9,7 @@
 
 typedef struct MpmLaboratory MpmLaboratory;
 
-/* The options of a stress point, besides what any scene has: dim, title, output. */
+/* The options of a stress point, besides those of any scene: dim, title, output. */
 PetscErrorCode MpmLaboratoryRead(MpmModel model, const MpmOptions *options, PetscInt dim);
 /* Options of the laboratory for a manual that is of no particular scene. */
 PetscErrorCode MpmLaboratoryPrintHelp(MpmModel model, const MpmOptions *options);

@@ -1,5 +1,5 @@
 /*
-  The manual that -help prints, besides what the readers of options print themselves: an introduction, and what follows.
+  The manual that -help prints, besides the output of the readers of options: an introduction, and an appendix.
 */
 #include "geometry/geometry.h"
 #include "model/manual.h"

@@ -1,5 +1,5 @@
 /*
-  The model: its life, the scene read from options, and what is made of it.
+  The model: its life, the scene read from options, and its objects.
 */
 #include "options/database.h"
 #include "options/options.h"
@@ -99,7 +99,7 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- what the caller sets ---- */
+/* ---- settings of the caller ---- */
 
 /* True where the scene has been read. */
 static PetscBool HasScene(const MpmModel model)

@@ -111,7 +111,7 @@ PetscErrorCode MpmFillOwnStates(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- what files have ---- */
+/* ---- fields from files ---- */
 
 PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscInt b)
 {

@@ -1,5 +1,5 @@
 /*
-  The background grid as it is written: the active nodes with what the last step has left there, and the cells that the
+  The background grid as it is written: the active nodes with the fields of the last step, and the cells that the
   points' shape functions span.
 */
 #include "point/layout.h"

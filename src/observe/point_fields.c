@@ -12,7 +12,7 @@
 #include "query/model.h"
 #include "observe/results.h"
 
-/* One field: what the functions below need to make it. */
+/* One field: data of the functions below. */
 typedef struct {
   MpmModel         model;
   const MpmPoints *points;

@@ -5,7 +5,7 @@
 #include "base/base.h"
 #include "base/types.h"
 
-/* Places along a line, and what has been found there last. */
+/* Places along a line, and their last results. */
 typedef struct {
   char      *name, *chosen_field; /* 1 at the points that are looked at; NULL: at all */
   PetscInt   body;                /* or -1 */

@@ -14,7 +14,7 @@
 #include "observe/results.h"
 
 #define COARSE        3.   /* cells: a boundary with a smaller radius meets too few of them (docs/scene.md) */
-#define MEMORY        0.95 /* weight of what was summed before this step */
+#define MEMORY        0.95 /* weight of the sums before this step */
 #define LINES_A_TITLE 50   /* the columns' titles come again, so that a long log can be read anywhere */
 
 PetscBool MpmTerminalShows(const MpmModel model)

@@ -68,8 +68,8 @@ static PetscErrorCode FindWelded(MpmModel model, PetscBool welded[])
 }
 
 /*
-  A motion holds nodes. The first free ones are a cell from the body's edge with linear functions, two cells with
-  splines, and what lies between goes along by half on average: limit loads are those of a body as much wider.
+  A motion prescribes nodes. The first free ones are a cell from the body's edge with linear functions, two cells with
+  splines, and material between goes along by half on average: limit loads are those of a body as much wider.
 */
 static PetscErrorCode PrintWidths(MpmModel model, const PetscBool welded[])
 {

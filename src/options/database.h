@@ -65,8 +65,8 @@ PetscErrorCode MpmDatabaseTake(MpmDatabase *database, const char prefix[]);
 /* Adds options as they would stand on a command line, files among them. Collective on the model's communicator. */
 PetscErrorCode MpmDatabaseInsert(MpmDatabase *database, MPI_Comm comm, const char text[]);
 /*
-  Between Enter and Leave the model's options are in force; pairs may be nested. Leave marks what has been used since as
-  used in the database that is in force then.
+  Between Enter and Leave the model's options are in force; pairs may be nested. Leave marks options used since as used
+  in the database that is in force then.
 */
 PetscErrorCode MpmDatabaseEnter(MpmDatabase *database);
 PetscErrorCode MpmDatabaseLeave(MpmDatabase *database);

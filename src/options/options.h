@@ -121,7 +121,7 @@ typedef enum { MPM_BEFORE_SOLVE, MPM_AFTER_SOLVE, MPM_AT_END } MpmMoment;
 PetscErrorCode MpmOptionsWarnUnused(const MpmOptions *options, MpmMoment moment);
 /* The option of PETSc's, "-name value", whose value an error message of PETSc's quotes; empty where there is none. */
 PetscErrorCode MpmForeignOptionsFind(const char message[], char name[], size_t size);
-/* Writes what was in force, defaults included, and all other PETSc options, as YAML that can be run again (rank 0). */
+/* Writes the values in force, with defaults, and all other PETSc options, as YAML that can be run again (rank 0). */
 PetscErrorCode MpmOptionsWriteYAML(const MpmOptions *options, const char *path);
 /* The record as YAML text, appended. Not collective. */
 PetscErrorCode MpmOptionsTextYAML(const MpmOptions *options, MpmTextFile *text);

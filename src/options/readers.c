@@ -141,7 +141,7 @@ static PetscErrorCode ItemRefuse(const Item *item, const ItemSpec *spec, const c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Ends the run, and says what the option means: "-name value: must ...: Young's modulus (Pa), > 0". */
+/* Ends the run, with the option's meaning: "-name value: must ...: Young's modulus (Pa), > 0". */
 static PetscErrorCode ItemRefuseForm(const Item *item, const ItemSpec *spec, const char verb[])
 {
   char *text = NULL, *meaning;
@@ -524,7 +524,7 @@ static PetscErrorCode CheckName(const Item *item, const ItemSpec *spec, PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* `accepted`: what kind of names, for -help. */
+/* `accepted`: kind of names, for -help. */
 static PetscErrorCode ReadNames(const MpmOptions *options, const char *name, const char *help, const char *accepted,
                                 MpmNeed need, PetscInt *count, char ***names)
 {

@@ -1,5 +1,6 @@
 /*
-  A look at a scene's text before PETSc reads it, which says little of what is wrong and takes minutes over some files.
+  A check of a scene's text before PETSc reads it, whose messages say little of a fault and which takes minutes over
+  some files.
 */
 #include "options/scene_file.h"
 

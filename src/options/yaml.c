@@ -14,7 +14,7 @@
 #include <yaml.h>
 
 #define MOST_OPTIONS 10000 /* of a file; with aliases a few lines could give any number */
-#define DEEPEST      100   /* an alias may stand in what it stands for */
+#define DEEPEST      100   /* an alias may stand in its own anchor */
 
 typedef struct {
   char  *name;

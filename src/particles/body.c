@@ -323,7 +323,7 @@ MpmRegion MpmBodyRound(MpmBody body)
 
 /* ---- whose a place is ---- */
 
-#define INTERIOR 1e-3 /* of a cell: what is further than this from the edge is inside a region, not on its edge */
+#define INTERIOR 1e-3 /* of a cell: further than this from the edge is inside a region, not on its edge */
 
 MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[])
 {

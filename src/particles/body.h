@@ -17,7 +17,7 @@ typedef struct MpmBodies {
 
 PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
                              const MpmMaterial *materials, MpmBody *body);
-/* Reads the points of a body whose region is a file, with what else the physics keeps of a point. */
+/* Reads the points of a body whose region is a file, with fields of the physics. */
 PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                const MpmMaterial *materials, PetscInt field_count, const MpmFileField fields[],
                                MpmBody body);
@@ -40,7 +40,7 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],
                                PetscReal *points);
-/* Which way is up, 1 or -1 along an axis, for what is given by height. To be called before the points are made. */
+/* Upward direction, 1 or -1 along an axis, for values by height. To be called before the points are made. */
 void MpmBodySetVertical(MpmBody body, PetscInt axis, PetscInt up);
 /* Fills the particles with the points of all bodies; ids do not depend on the number of ranks. */
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial *materials,

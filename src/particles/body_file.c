@@ -240,7 +240,7 @@ PetscErrorCode MpmImportedPlace(MpmImported imported, PetscInt dim, PetscInt fir
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The row's history into what stands there, as far as the file has it; true when it has all of it. */
+/* Copies the row's history, as far as the file has it; true when it has all of it. */
 static PetscBool TakeState(const MpmImported imported, const MpmMaterial *material, PetscInt dim, PetscInt row,
                            PetscReal state[])
 {

@@ -69,7 +69,7 @@ static PetscInt LongestAxis(const MpmGrid *grid, const MpmPoints *points, PetscI
   return axis;
 }
 
-/* Of a point, which has half of what it had: the half on this side. */
+/* The half of a point on this side; halves its extensive values. */
 static void MakeHalf(const MpmGrid *grid, const MpmPoints *points, PetscInt p, PetscInt axis, PetscReal side)
 {
   const PetscInt  dim = grid->dim;
@@ -125,7 +125,7 @@ static void SortAxes(PetscInt dim, const PetscReal F[], const PetscReal half[], 
   }
 }
 
-/* Takes out of each column of F what it has along the columns of longer edges: det F stays. */
+/* Removes from each column of F its component along the columns of longer edges: det F stays. */
 static void Straighten(PetscInt dim, const PetscReal half[], PetscReal F[])
 {
   PetscInt axes[MPM_MAX_DIM] = {0};

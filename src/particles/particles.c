@@ -17,7 +17,7 @@
 /* Another partition is taken when the fullest rank then holds this much less. */
 #define BALANCE_GAIN 1.02
 
-/* Every field of the swarm is registered here: what is listed travels with its point and stands in checkpoints. */
+/* Every field of the swarm is registered here: listed fields travel with their point and stand in checkpoints. */
 static PetscErrorCode Register(MpmParticles *particles, const char *name, PetscInt components, PetscDataType type)
 {
   MpmPointField *field = &particles->fields[particles->field_count++];

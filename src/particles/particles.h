@@ -1,6 +1,6 @@
 #pragma once
 /*
-  The points as a swarm: what fields they have, and how they go from rank to rank.
+  The points as a swarm: their fields, and their migration between ranks.
 */
 #include <petscdmswarm.h>
 #include "base/base.h"
@@ -107,5 +107,5 @@ PetscErrorCode MpmParticlesRest(MpmParticles *particles);
 PetscErrorCode MpmPointsStop(const MpmPoints *points, PetscInt dim);
 /* Sets a field of one number a point to zero, writing only where it is not zero: contact is mostly far. */
 PetscErrorCode MpmPointsClear(PetscInt count, PetscReal value[]);
-/* The kinetic energy of this rank's points, J, without what their affine velocities add. */
+/* The kinetic energy of this rank's points, J, without that of their affine velocities. */
 PetscReal MpmPointsKinetic(const MpmPoints *points, const MpmMaterial *materials, PetscInt dim);

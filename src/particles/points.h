@@ -55,9 +55,9 @@ static inline PetscReal MpmPointHalfWhole(const MpmPoints *points, PetscInt dim,
 */
 void MpmPointsSetOwn(const MpmMaterial *materials, const PetscInt vertical[2], PetscInt dim, PetscInt first,
                      PetscInt end, const MpmPoints *points);
-/* J of a point, as what it takes up counts it: det F, or 1 + tr(F - I) at small strain. */
+/* J of a point for the water taken up: det F, or 1 + tr(F - I) at small strain. */
 PetscReal MpmPointVolumeRatio(const MpmMaterial *material, PetscInt dim, const PetscReal F[]);
-/* A point's mass at the start, kg: MpmPointMass() (point_mass.h) for those who do not know what materials are. */
+/* A point's mass at the start, kg: MpmPointMass() (point_mass.h) for files without materials. */
 PetscReal MpmPointMassStart(const MpmPoints *points, const MpmMaterial *materials, PetscInt p);
 /* Its mass now, with the water that it has taken up since the start. */
 PetscReal MpmPointMassNow(const MpmPoints *points, const MpmMaterial *materials, const MpmLayout *layout, PetscInt p);

@@ -35,7 +35,7 @@ typedef struct MpmLayout {
   MpmNearNull near_null[MPM_MAX_BLOCK];                                        /* of the field of each component */
   MpmScale    scale[MPM_MAX_BLOCK];
   PetscInt    own_size; /* numbers that the physics keeps of a point */
-  PetscInt    taken_up; /* place, among the physics' values, of the density of what points take up; -1: nothing */
+  PetscInt    taken_up; /* place, among the physics' values, of the density of water taken up; -1: none */
   PetscBool   saddle;   /* the Jacobian is that of a saddle point */
   PetscBool   solid;    /* the displacement's gradient is all that the kernel sees */
   PetscBool   biot;     /* MPM_PHYSICS_BIOT */

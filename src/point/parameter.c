@@ -14,7 +14,7 @@
 
 #define MESSAGE_LENGTH MPM_CSV_MESSAGE
 
-/* Numbers as they come, and what is wrong with them; empty for nothing. */
+/* Numbers as they come, and their fault; empty for none. */
 typedef struct {
   PetscInt count, capacity;
   double  *value;

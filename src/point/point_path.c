@@ -274,7 +274,7 @@ void MpmPointPathAt(const MpmPointPath *path, PetscReal time, MpmPointControl *c
     value[s] = part == 1. ? before[MPM_SPACE_SYM + s] : before[s] + part * (before[MPM_SPACE_SYM + s] - before[s]);
   }
   if (path->type == MPM_PATH_TRIAXIAL_UNDRAINED || path->type == MPM_PATH_BIAXIAL_UNDRAINED) {
-    const PetscReal share = path->type == MPM_PATH_BIAXIAL_UNDRAINED ? 1. : 0.5; /* of xx in what keeps the volume */
+    const PetscReal share = path->type == MPM_PATH_BIAXIAL_UNDRAINED ? 1. : 0.5; /* of xx in the volume change */
 
     value[XX] = path->measure == MPM_STRAIN_LOG ? -share * value[YY] : PetscPowReal(1. + value[YY], -share) - 1.;
     if (path->type == MPM_PATH_TRIAXIAL_UNDRAINED) value[ZZ] = value[XX];

@@ -22,7 +22,7 @@
 static const PetscInt pairs_3d[SYM_MAX][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
 static const PetscInt pairs_2d[3][2]       = {{0, 0}, {1, 1}, {0, 1}};
 
-/* One evaluation of the law at H: what it says, and its derivatives. */
+/* One evaluation of the law at H: its answer, and its derivatives. */
 typedef struct {
   PetscReal tau[SYM_MAX], goal[SYM_MAX];
   PetscReal slope[SYM_MAX][SYM_MAX]; /* d(tau - goal)_i / dH_j */

@@ -67,7 +67,7 @@ static void Block(PetscInt n, const PetscReal full[9], PetscReal block[])
 
 /* ---- the law ---- */
 
-/* A step of the law: where it starts and what it does. */
+/* A step of the law: start and result. */
 typedef struct {
   PetscReal F_n[9], F_n_inverse[9]; /* in all, n x n; and of the stretch since the start */
   PetscReal dF[9], H[9];

@@ -28,7 +28,7 @@ static const char *WrongValue(const MpmParameter *parameter, PetscReal value, ch
   return text;
 }
 
-/* height:value pairs; what is wrong with them, or NULL. */
+/* height:value pairs; returns their fault, or NULL. */
 static const char *ParsePairs(PetscInt count, char **pair, MpmVariation *variation)
 {
   for (PetscInt k = 0; k < count; k++) {
@@ -109,7 +109,7 @@ static PetscErrorCode TakeField(PetscInt count, PetscReal rows[], MpmVariation *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rows of a file; what is wrong with it goes into `message`. */
+/* Rows of a file; a fault goes into `message`. */
 static PetscErrorCode TakeFile(const char path[], const MpmParameter *parameter, PetscInt dim, MpmVariation *variation,
                                char message[MPM_CSV_MESSAGE])
 {

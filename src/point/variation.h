@@ -18,7 +18,7 @@ typedef struct {
   PetscReal *value;              /* by row; of a lattice x fastest */
 } MpmVariation;
 
-/* All parameters of one material that vary, and what a point's row is made from. */
+/* All parameters of one material that vary, and the source of a point's row. */
 typedef struct MpmVariations {
   PetscInt          count;
   MpmVariation     *at;

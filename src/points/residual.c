@@ -5,7 +5,7 @@
 #include "points/point_term.h"
 #include "points/point_terms.h"
 
-/* Residual of one group's points; or, where `residual` is NULL, only what they would be at the step's end. */
+/* Residual of one group's points; or, where `residual` is NULL, only their candidate of the step's end. */
 MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
                                         const PetscReal u[], MpmWorkspace *work, PetscReal *residual, PetscInt *failed)
 {

@@ -114,7 +114,7 @@ PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The flux at an input; f: what the flux conjugate to the mean has for this point. */
+/* The flux at an input; f: flux conjugate to the mean at this point. */
 static int WholeFlux(const MpmLayout *layout, const MpmKernelPoint *point, const PetscReal input[], PetscReal f,
                      PetscReal flux[])
 {
@@ -181,14 +181,14 @@ MPM_INLINE PetscErrorCode ApplyGroup(const MpmKnown known, MpmAction *action, co
   return PETSC_SUCCESS;
 }
 
-/* The tangent of the point at place s of the order, of a cell: kept, or what there is of it. */
+/* The tangent of the point at place s of the order, of a cell: kept, or as far as it is there. */
 MPM_INLINE MpmTangent TangentOf(const PetscInt N, const MpmAction *action, PetscInt s)
 {
   if (action->tangent) return MpmTangentAt(N, &action->tangent[s * MpmTangentSize(action->sum->layout)]);
   return action->cell.point[s - action->cell.begin].tangent;
 }
 
-/* The change of a cell point's fluxes, that of the mean's flux f last, without what the latter does to the others. */
+/* The change of a cell point's fluxes, that of the mean's flux f last, without the latter's effect on the others. */
 MPM_INLINE void ChangeByTangent(const PetscInt N, const MpmTangent *tangent, const PetscReal dinput[],
                                 PetscReal dflux[])
 {
@@ -212,7 +212,8 @@ static int ChangeByKernel(const MpmAction *action, PetscReal f, const MpmCellPoi
   return 0;
 }
 
-/* The change of a cell's mean from that of its points' inputs, of all fluxes, and what the mean's flux does to them. */
+/* The change of a cell's mean from that of its points' inputs, of all fluxes, and the effect of the mean's flux on
+   them. */
 MPM_INLINE PetscErrorCode ChangeCell(const PetscInt N, const MpmAction *action, PetscInt c, PetscInt *failed)
 {
   const MpmCellWork *work  = &action->cell;

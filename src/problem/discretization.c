@@ -1,5 +1,5 @@
 /*
-  The discrete problem of a step: what of it stays from step to step, and its end.
+  The discrete problem of a step: its permanent data, and its end.
 */
 #include "point/layout.h"
 #include "point/material.h"

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  A model and its parts: what was read, what moves on, and what a step works with.
+  A model and its parts: the scene, the state, and the data of a step.
 */
 #include "base/base.h"
 #include "base/outcome.h"
@@ -24,7 +24,7 @@ typedef struct {
   MpmOutcome  outcome;  /* of the last step */
 } MpmCaller;
 
-/* A problem of the scene: the equations on a grid, what the points consist of, and how they are solved. */
+/* A problem of the scene: the equations on a grid, materials of the points, and solution. */
 typedef struct {
   MpmDiscretization disc;
   MpmSolver         solver;

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  A scene: what was read.
+  A scene as read.
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -30,7 +30,7 @@ typedef struct {
 /* How inertia takes part (dynamics.c, explicit.c). */
 typedef struct {
   MpmIntegratorType type;
-  PetscReal         rho_inf;     /* of the generalised-alpha method: what is left of the fastest oscillation a step */
+  PetscReal         rho_inf;     /* of the generalised-alpha method: spectral radius at infinite frequency */
   PetscReal         beta, gamma; /* Newmark's */
   PetscBool         lumped;      /* mass, in implicit steps */
   MpmDampingControl damping;
@@ -85,20 +85,20 @@ typedef struct {
 } MpmReduction;
 
 /*
-  One stage of a scene: which conditions and loads act, how time runs, and what happens to the bodies at its start. A
-  scene without stages is one stage without a name.
+  One stage of a scene: active conditions and loads, control of time, and changes of the bodies at its start. A scene
+  without stages is one stage without a name.
 */
 typedef struct MpmStage {
   char          *name;
   MpmTimeControl time;
   PetscBool     *bcs, *motions, *loads, *surfaces; /* by the model's lists: true where active */
   PetscBool     *removed, *adds;                   /* by the model's bodies */
-  MpmRamp        removal;                          /* of what is removed, over the stage's time; NULL: at once */
-  PetscInt      *material;                         /* by the model's bodies: of its points from here on, or -1 */
-  MpmRamp        change;                           /* of these, over the stage's time; NULL: at once */
-  PetscBool      reset;                            /* displacements start at zero again */
-  PetscBool      drained;                          /* the water's pressure is that of a steady flow */
-  PetscReal      consolidation;                    /* degree at which the stage ends; 0: none */
+  MpmRamp        removal;       /* removed fraction of bodies, over the stage's time; NULL: at once */
+  PetscInt      *material;      /* by the model's bodies: of its points from here on, or -1 */
+  MpmRamp        change;        /* of these, over the stage's time; NULL: at once */
+  PetscBool      reset;         /* displacements start at zero again */
+  PetscBool      drained;       /* the water's pressure is that of a steady flow */
+  PetscReal      consolidation; /* degree at which the stage ends; 0: none */
   MpmGeostatic   geostatic;
   MpmReduction   reduction;
   MpmRelaxation  relaxation;

@@ -1,5 +1,5 @@
 /*
-  The state of a run as an object: what a checkpoint holds, and what returns where steps are taken back.
+  The state of a run as an object: contents of a checkpoint, and of a roll-back.
 */
 #include "particles/particles.h"
 #include "query/state.h"

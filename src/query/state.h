@@ -36,7 +36,7 @@ typedef struct {
 
 /* Whether steps without inertia follow a path of equilibrium (slide.c). */
 typedef struct {
-  PetscReal  ways, forces;    /* sums over the stage's steps: longest displacements, m, and what drove them, N */
+  PetscReal  ways, forces;    /* sums over the stage's steps: longest displacements, m, and driving forces, N */
   PetscReal  force, dt;       /* N, s: those of the solution at hand */
   PetscReal  ratio;           /* of the last step: its way by force over that of the stage before */
   PetscReal  steady[3];       /* sums over steps in proportion: longest displacements, m, forces, N, and lengths, s */
@@ -61,10 +61,9 @@ typedef struct {
 /* A relaxation in place of a quasi-static step that gave up (rescue.c). */
 typedef struct {
   PetscBool on;
-  PetscReal start, end; /* s, of the run's time: of that step */
-  PetscReal clock,
-    ramp;         /* s, of the motion: how long it has taken, and in what time loads and supports get to their ends */
-  PetscReal work; /* J, that everything had done from outside as it began */
+  PetscReal start, end;  /* s, of the run's time: of that step */
+  PetscReal clock, ramp; /* s, of the motion: its duration, and the time in which loads and supports reach their ends */
+  PetscReal work;        /* J, that everything had done from outside as it began */
   PetscReal first, since; /* of the last stage that was a relaxation */
   PetscInt  steps;        /* number so far */
   PetscInt  count;        /* of rescues that have come to rest */
@@ -77,7 +76,7 @@ typedef struct {
   PetscInt  steps, newton; /* number so far; iterations of the last one */
 } MpmSettling;
 
-/* How far the grid has moved with what it follows. */
+/* Displacement of the grid with the followed object. */
 typedef struct {
   PetscBool known;              /* the followed object has been there */
   PetscReal start[MPM_MAX_DIM]; /* here then */
@@ -101,9 +100,9 @@ typedef struct {
   PetscReal internal;   /* work of the points' stresses */
   PetscReal external;   /* work of loads, of prescribed motions and of boundaries that move */
   PetscReal dissipated; /* by contact and by damping */
-  PetscReal start;      /* kinetic and elastic energy at the start, and what stages have added or taken away */
+  PetscReal start;      /* kinetic and elastic energy at the start, and additions by stages */
   PetscReal elastic;    /* the elastic part of that */
-  PetscReal mark[2];    /* kinetic and elastic energy before what is no step */
+  PetscReal mark[2];    /* kinetic and elastic energy before a change without a step */
 } MpmEnergy;
 
 /* Water in the stage under way (consolidation.c, water_state.c). */
@@ -147,12 +146,12 @@ typedef struct {
   PetscReal      time, time_end, dt_nominal, dt_min, dt_max, growth;
   PetscReal      dt_wanted; /* of the next step */
   PetscReal      dt_last;   /* of the last step, 0 before the first; */
-  PetscReal      dt_before; /* of the one before; below 0: the next step stops what moved, which no step goes on from */
+  PetscReal      dt_before; /* of the one before; below 0: the next step brings a motion to rest, without a predictor */
   PetscBool      adaptive;
   PetscBool      predict; /* start from the last step's increment */
   PetscInt       step, cuts, cuts_total;
   PetscInt       stage;      /* the one under way */
-  MpmActing     *bcs;        /* by the scene's lists: what acts in the stage under way; motions behind conditions */
+  MpmActing     *bcs;        /* by the scene's lists: active in the stage under way; motions behind conditions */
   MpmLoadActing *loads;      /* surfaces behind loads */
   MpmWalls       walls;      /* walls of the grid */
   PetscReal      time_start; /* of the stage under way; time_end is its end */

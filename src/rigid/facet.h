@@ -1,6 +1,6 @@
 #pragma once
 /*
-  Facets: what of the faces that bound the material may touch a rigid surface in a step.
+  Facets: faces that bound the material and may touch a rigid surface in a step.
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -25,5 +25,6 @@ typedef struct {
     portion; /* and of its area that is this facet's; of round and single ones, of that of its point's which touch */
   PetscInt  round;   /* on the round surface that cut its body's lattice (round_facets.c) */
   PetscReal touches; /* distance at which it touches, m: not 0 where the lattice of points was cut by the surface */
-  PetscReal arm[MPM_MAX_DIM], turn; /* round: from the surface's centre; what turning adds to its distance (Turn), m */
+  PetscReal arm[MPM_MAX_DIM],
+    turn; /* round: from the surface's centre; contribution of turning to its distance (Turn), m */
 } MpmFacet;

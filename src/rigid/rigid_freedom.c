@@ -48,7 +48,7 @@ PetscReal MpmBoundarySize(const MpmBoundary *boundary)
   return size > 0. ? size : 1.;
 }
 
-/* Mass, and what goes with it. */
+/* Mass, and options that belong to it. */
 static PetscErrorCode ReadMass(const MpmOptions *block, PetscInt dim, MpmFreedom *freedom)
 {
   PetscFunctionBeginUser;
@@ -70,7 +70,7 @@ static PetscErrorCode ReadMass(const MpmOptions *block, PetscInt dim, MpmFreedom
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Without `free`, or along what is not free, nothing can push. */
+/* Refuses loads without `free`, or along constrained components. */
 static PetscErrorCode CheckPush(const MpmOptions *block, const char *option, const PetscReal push[], PetscInt free,
                                 PetscInt count)
 {

@@ -238,7 +238,7 @@ PetscBool MpmFreedomTurnsInPart(const MpmFreedom *freedom)
   return (PetscBool)(rotations == 2);
 }
 
-/* T^T m; with `rows`, as what is balanced. */
+/* T^T m; with `rows`, the balanced moment. */
 static void Conjugate(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal m[3], PetscBool rows,
                       PetscReal result[3])
 {
@@ -248,7 +248,7 @@ static void Conjugate(const MpmRigidBody *body, const MpmRigidIncrement *q, cons
   for (PetscInt a = 0; a < 3; a++) result[a] = q->scale * (m[a] - across[a]) / (2. * body->freedom->size);
 }
 
-/* d(T^T m) of what is balanced, for dr and dm */
+/* d(T^T m) of the balanced moment, for dr and dm */
 static void ConjugateChange(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal m[3],
                             const PetscReal dr[3], const PetscReal dm[3], PetscReal result[3])
 {

@@ -1,7 +1,6 @@
 #pragma once
 /*
-  Rigid boundaries whose place is solved for: what is read of them (rigid_freedom.c), and how they and what is fixed to
-  them move
+  Rigid boundaries whose place is solved for: options (rigid_freedom.c), and motion of body and attached places
   (rigid_motion.c).
 */
 #include "base/base.h"
@@ -36,12 +35,12 @@ typedef struct {
 
 /* A free body in a step. */
 struct MpmRigidBody {
-  const MpmFreedom *freedom;    /* NULL: its motion is prescribed, and it has nothing of what follows */
+  const MpmFreedom *freedom;    /* NULL: its motion is prescribed, and the members below are unused */
   MpmPlacement     *placement;  /* at the step's start */
   PetscInt  dim, extra, node;   /* its first extra node, and that one's local number: translation, then rotation */
   PetscReal Q[3][3];            /* the turn at the step's start */
   PetscReal pivot[3];           /* the reference point at the step's start, where the prescribed motion alone has it, */
-  PetscReal travel[3];          /* and what that motion adds in the step */
+  PetscReal travel[3];          /* increment of that motion in the step */
   PetscReal load[3], moment[3]; /* at the step's end */
   PetscReal guess[6];           /* unknowns from which Newton starts */
   PetscReal dt;                 /* s, in a step in which the body's inertia counts; otherwise 0 */
@@ -89,8 +88,8 @@ void MpmRigidIncrementMake(const MpmRigidBody *body, const PetscReal values[6], 
 /* The placement after an increment. */
 void MpmRigidMove(const MpmRigidIncrement *q, MpmPlacement *placement);
 /*
-  A facet in the frame of its body: its place and normal at the step's start are put there once. `arm` is what it stands
-  away from the reference point along the axes, at the step's start, or at its end where its displacement is u.
+  A facet in the frame of its body: its place and normal at the step's start are put there once. `arm` is its distance
+  from the reference point along the axes, at the step's start, or at its end where its displacement is u.
 */
 void MpmRigidPull(const MpmRigidBody *body, MpmFacet *facet);
 void MpmRigidPullVector(const MpmRigidBody *body, PetscReal vector[3]);
@@ -99,7 +98,7 @@ void MpmRigidPush(const MpmRigidBody *body, const MpmFacet *facet, PetscReal pla
 void MpmRigidArm(const MpmRigidBody *body, const MpmFacet *facet, PetscReal arm[3]);
 void MpmRigidArmAfter(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigidIncrement *q, const PetscReal u[],
                       PetscReal y[3]);
-/* Its displacement u as the body sees it, and what turns the body's answers back to the axes. */
+/* Its displacement u in the body's frame, and the rotation of the body's answers back to the axes. */
 void MpmRigidSee(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigidIncrement *q, const PetscReal u[],
                  PetscReal seen[]);
 void MpmRigidAxes(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscReal A[3][3]);
@@ -113,7 +112,7 @@ void MpmRigidCouple(const MpmRigidBody *body, const MpmFacet *facet, const MpmRi
 */
 void MpmRigidCovector(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal y[3], const PetscReal c[3],
                       PetscBool rows, PetscReal by[2][3]);
-/* Residual of what pushes a body, and its derivative by the rotation. */
+/* Residual of a body's loads, and its derivative by the rotation. */
 void MpmRigidLoad(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscReal residual[2][3],
                   PetscReal derivative[3][3]);
 

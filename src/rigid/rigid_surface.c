@@ -38,7 +38,7 @@ static PetscErrorCode ReadPoints(const MpmOptions *options, const char *name, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The motion, and what it makes of the radius. */
+/* The motion, and the growth of the radius. */
 static PetscErrorCode ReadMotion(const MpmOptions *block, MpmBoundary *boundary)
 {
   const PetscBool help = MpmOptionsHelp(), round = MpmSolidIsRound(&boundary->solid);

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  Integrators of stages: their options (integrator_read.c), and what they ask of the scene.
+  Integrators of stages: their options (integrator_read.c), and their demands on the scene.
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -11,7 +11,7 @@ extern const char *const MpmIntegratorTypes[];
 /* A stage's integrator, and how steps of fields with a rate go on; `control` holds the defaults on entry. */
 PetscErrorCode MpmIntegratorRead(const MpmOptions *block, MpmTimeControl *control);
 void           MpmMotionDefaults(MpmMotionControl *motion);
-/* After the stages have been read: what bodies and materials say for dynamics. */
+/* After the stages have been read: options of bodies and materials for dynamics. */
 PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options);
 /* True where any stage of the scene solves equations; where any of these has inertia. */
 PetscBool MpmStagesSolve(const MpmModel model);

@@ -73,7 +73,7 @@ static PetscErrorCode WidenMarks(PetscInt had, PetscInt count, PetscInt scene, P
 
 #define LISTS 4
 
-/* The lists of a stage whose blocks act in it: what they are called, the model's names, and the stage's marks. */
+/* The lists of a stage's active blocks: their names, the model's names, and the stage's marks. */
 typedef struct {
   const char *name, *help;
   MpmNameList all;

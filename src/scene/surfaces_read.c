@@ -1,5 +1,5 @@
 /*
-  Surfaces of bodies, and boundaries that are drained: what of the scene they are.
+  Surfaces of bodies, and boundaries that are drained: their data from the scene.
 */
 #include "point/layout.h"
 #include "point/registry.h"

@@ -52,7 +52,7 @@ static void CarryState(const MpmMaterial *from, const MpmMaterial *to, PetscInt 
   }
 }
 
-/* Volume, domain and stress of point p stay while F and history become the new material's; what MpmInitialFind says. */
+/* Volume, domain and stress of point p stay, F and history become the new material's; MpmInitialFind()'s result. */
 static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial *initial, MpmPoints *points, PetscInt p)
 {
   const PetscInt dim = model->disc.dim, size = model->state.particles->state_size;
@@ -73,7 +73,7 @@ static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial 
   return answer;
 }
 
-/* One point; what MpmInitialFind says, and what is left to a ramp into `rest` (MpmChangeNote). */
+/* One point; MpmInitialFind()'s result, and the share of a ramp into `rest` (MpmChangeNote). */
 static int ChangeOne(MpmModel model, const MpmMaterial *old, const double before[], const MpmInitial *initial,
                      MpmPoints *points, PetscInt p, PetscReal rest[7])
 {

@@ -190,7 +190,7 @@ static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, 
 }
 
 #define SLOWS    0.5  /* of the way half of the iterations ago: with less it converges */
-#define COLLAPSE 0.01 /* of the first way under the full loads: what goes on by more does not stand */
+#define COLLAPSE 0.01 /* of the first displacement under the full loads: ground that moves on by more does not stand */
 
 /*
   Reason for which no equilibrium was found in the allowed iterations: slow convergence, collapse, or oscillation of

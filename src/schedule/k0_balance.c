@@ -61,7 +61,7 @@ static MpmVertical FindVertical(MpmModel model)
   return vertical;
 }
 
-/* Gives point p the stress; what MpmInitialFind says. */
+/* Gives point p the stress; MpmInitialFind()'s result. */
 static int SetStress(MpmModel model, const MpmInitial *initial, const MpmRest *rest, MpmPoints *points, PetscInt p,
                      PetscReal stress[])
 {
@@ -112,7 +112,7 @@ static PetscErrorCode SetStresses(MpmModel model, MpmRest *rest, const PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The ratio of every point under the weight above it: that of its body, or what its law says. */
+/* The ratio of every point under the weight above it: that of its body, or its law's. */
 static PetscErrorCode FindRatios(MpmModel model, const MpmPoints *points, const PetscReal pressure[], PetscReal ratio[])
 {
   const PetscReal *k0   = model->scene.stages[model->state.stage].geostatic.k0;
@@ -202,7 +202,7 @@ static PetscBool AnySmallStrain(const MpmModel model)
   return PETSC_FALSE;
 }
 
-/* Corrections of a small-strain law's stress; each leaves a strain's part of what the last one left. */
+/* Corrections of a small-strain law's stress; each leaves about a strain times the error of the last one. */
 #define SMALL_STRAIN_ROUNDS 4
 
 /*

@@ -15,7 +15,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
 PetscErrorCode MpmStepControlAddRows(MpmModel model);
 /* The points' places and their ranks, for a step that begins there. */
 PetscErrorCode MpmStepArrange(MpmModel model, MpmOutcome *outcome);
-/* F-bar averages dilation, too, or no longer: what a run falls back to where steps fail again and again. */
+/* F-bar averages dilation, too, or no longer: fallback of a run where steps fail again and again. */
 void MpmStepAverageDilation(MpmModel model, PetscBool average);
 /* A time without the rounding errors of the sum that it is, where it is a decimal number but for them. */
 PetscReal MpmTimeRound(PetscReal time);

@@ -138,7 +138,7 @@ static PetscErrorCode FindFastest(MpmModel model, MpmFastest *fastest)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Failure: what moves, how far and where, by a format of a name, a length and a place. */
+/* Failure: body, distance and place of the slide, by a format of a name, a length and a place. */
 static void Describe(MpmModel model, const MpmFastest *fastest, const char format[], MpmOutcome *outcome)
 {
   const char *body = fastest->body >= 0 ? model->scene.bodies->names[fastest->body] : "a body";

@@ -30,5 +30,5 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt stage);
 */
 PetscErrorCode MpmStageFinish(MpmModel model, MpmOutcome *outcome);
 PetscBool      MpmStageHasFinish(const MpmModel model);
-/* For a run that goes on in model->stage at model->time: time control, and what acts; the points are as they were. */
+/* For a run that goes on in the stage of its state: time control, active conditions; the points are as they were. */
 PetscErrorCode MpmStageResume(MpmModel model);

@@ -21,7 +21,7 @@ static PetscReal Contact(const MpmSolver *solver)
   return MpmTermsFirmness(disc->terms) * modulus * PetscPowRealInt(disc->h[0], disc->dim - 2);
 }
 
-#define BODY_IMBALANCE 1e-12 /* of what pushes a body */
+#define BODY_IMBALANCE 1e-12 /* of a body's loads */
 
 /*
   A free body's few equations are a small share of all, and may be off by more than that share: iterations go on until

@@ -49,7 +49,7 @@ PetscErrorCode MpmFieldsSetReference(MpmSolver *solver, Vec f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* v without one of the fields, or without all but that one; nor what is prescribed. */
+/* v without one of the fields, or without all but that one; without constrained unknowns. */
 static PetscErrorCode Mask(const MpmSolver *solver, PetscInt field, PetscBool without, Vec v)
 {
   const MpmLayout *layout = solver->disc->layout;

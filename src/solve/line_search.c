@@ -14,7 +14,7 @@
 #define LINE_SEARCH_TRIALS   8
 #define LINE_SEARCH_SHORTEST 0.02
 #define LINE_SEARCH_OVERSHOT 0.3 /* with contact: so much of the slope, with the other sign, in later iterations */
-/* with contact: a slope so many times as large, with the other sign, comes from a stiff kink; and what is progress */
+/* with contact: a slope so many times as large, of opposite sign, comes from a stiff kink; measure of progress */
 #define EXCURSION_KINK 30.
 #define EXCURSION_GAIN 0.9
 

@@ -151,7 +151,7 @@ static PetscInt CountAhead(const Walk *walk, const PetscInt distance[], PetscInt
   return ahead;
 }
 
-/* Puts what has been walked through since `begin` in order, by both distances. */
+/* Puts the nodes visited since `begin` in order, by both distances. */
 static PetscErrorCode Sort(Walk *walk, PetscInt begin)
 {
   const PetscInt count = walk->seen - begin;
@@ -191,7 +191,7 @@ static PetscBool TouchesBorder(const Walk *walk, PetscInt node)
   return PETSC_FALSE;
 }
 
-/* Walks through all nodes: from the border on, then through what is not connected with it, each part from its end. */
+/* Walks through all nodes: from the border on, then through unconnected ones, each component from its end. */
 static PetscErrorCode WalkAll(Walk *walk)
 {
   PetscFunctionBeginUser;

@@ -1,5 +1,5 @@
 /*
-  Presets of PETSc's options: choice by the size and kind of the problem, and what depends on it in them.
+  Presets of PETSc's options: choice by the size and kind of the problem, and options that depend on it.
 */
 #include "options/database.h"
 #include "options/options.h"

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  Newton's method and the linear solvers under it: presets, the forms of the Jacobian, and what is said of a solution.
+  Newton's method and the linear solvers under it: presets, the forms of the Jacobian, and tests of a solution.
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -18,7 +18,7 @@ typedef struct {
 /* References of each field's residual in a step of several fields (field_norms.c). */
 typedef struct {
   PetscReal reference[MPM_MAX_BLOCK];
-  PetscReal rounding[MPM_MAX_BLOCK]; /* diagonal times values: what rounding is a part of */
+  PetscReal rounding[MPM_MAX_BLOCK]; /* diagonal times values: reference of rounding */
   PetscReal excess;                  /* of the last iterate: residual over tolerance, of the field that has most */
 } MpmFieldNormsKept;
 

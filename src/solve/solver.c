@@ -234,7 +234,7 @@ PetscErrorCode MpmSolverRenew(MpmSolver *solver)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ICNTL(14), per cent: what MUMPS adds to the workspace that it expects to need. */
+/* ICNTL(14), per cent: addition to MUMPS' estimate of its workspace. */
 #define WORKSPACE      "-mat_mumps_icntl_14"
 #define WORKSPACE_MORE 100
 #define WORKSPACE_MOST 1600

@@ -166,7 +166,7 @@ static void NumberExtra(MpmSpace *space, PetscInt begin)
   }
 }
 
-/* Leaves in the maps what this rank owns of what it or another touches. On one rank that is all that there is. */
+/* Leaves in the maps the own nodes among those touched by any rank. On one rank that is all that there is. */
 static PetscErrorCode KeepOwned(const MpmSpace *space, const MpmGrid *grid, const MpmLists *wanted, NodeMap maps[])
 {
   const PetscInt dim = space->dim, end = wanted->offset[wanted->count];

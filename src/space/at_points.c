@@ -1,5 +1,5 @@
 /*
-  Fields at the points, what they are there less their means over the cell, and where they would take the points.
+  Fields at the points, their deviations from means over cells, and destinations of the points.
 */
 #include "grid/grid.h"
 #include "space/point_loop.h"

@@ -423,7 +423,7 @@ static PetscErrorCode AppendBoxes(Search *search, const Found *found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Keeps what was found; a master stands as its place in its box until nodes have numbers. */
+/* Keeps the result; a master stands as its place in its box until nodes have numbers. */
 static PetscErrorCode Keep(const Search *search, PetscInt begin, Found *found)
 {
   MpmExtension *extension = &search->space->extension;

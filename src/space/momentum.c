@@ -120,7 +120,7 @@ typedef struct {
   Slim momentum, slope[MPM_MAX_DIM], P[MPM_MAX_DIM];
 } Carried;
 
-/* A point's weights along x and what they are times the way to the nodes, which every row of nodes takes. */
+/* A point's weights along x and their products with the distance to the nodes, used by every row of nodes. */
 typedef struct {
   PetscReal weight[MPM_MAX_WIDTH], gradient[MPM_MAX_WIDTH], moment[MPM_MAX_WIDTH];
 } Row;

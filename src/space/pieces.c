@@ -197,7 +197,7 @@ static void Settle(const MpmPieces *pieces)
   }
 }
 
-/* The box of this rank's nodes and of what lies within a margin. */
+/* The box of this rank's nodes and of places within a margin. */
 static void FindBounds(const MpmSpace *space, PetscInt margin, MpmPieces *pieces)
 {
   PetscInt upper[MPM_MAX_DIM] = {0, 0, 0};
@@ -310,7 +310,7 @@ static void ListPieces(const Around *around, const MpmPieces *pieces, PetscInt f
   }
 }
 
-/* Adds what other ranks' points fill of the pieces within a distance of this rank's nodes. */
+/* Adds the filling of the spans within a distance of this rank's nodes by other ranks' points. */
 static PetscErrorCode Exchange(const MpmSpace *space, const MpmGrid *grid, PetscInt distance, MpmPieces *pieces)
 {
   MpmLists  sent = {0}, received = {0};

@@ -228,7 +228,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->stress_n          = sum->rest ? &points->stress[p * MpmSymSize(dim)] : NULL;
 }
 
-/* Where the kernel writes what the step's end would be. */
+/* Destinations of the kernel's candidate of the step's end. */
 MPM_INLINE void MpmSumTrial(const MpmSum *sum, PetscInt p, MpmKernelPoint *point)
 {
   const MpmTrial *trial = sum->trial;

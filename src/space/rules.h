@@ -31,7 +31,7 @@ typedef struct MpmRules {
   PetscInt           wall_count;
   const MpmWall     *walls;
   MpmStretch         stretch;
-  PetscReal          longest; /* half-length of a domain, cells: what has been drawn further parts; 0: any */
+  PetscReal          longest; /* half-length of a domain, cells: material drawn further separates; 0: any */
   const MpmMaterial *materials;
   PetscInt           material_count;
   PetscReal          ghost, sparse; /* factor of the ghost penalty, 0: none; at least so much where points are sparse */

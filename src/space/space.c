@@ -55,7 +55,7 @@ static PetscErrorCode CountingSort(PetscInt count, const PetscInt key[], PetscIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The boxes of nodes that points touch, dim values a point; and what the points are sorted by. */
+/* The boxes of nodes that points touch, dim values a point; and the keys of the points' order. */
 typedef struct {
   PetscInt  *first, *count;
   PetscInt  *cell_key, *shape_key;

@@ -21,5 +21,5 @@ PetscErrorCode MpmChangeRestore(MpmModel model, PetscReal *field[]);
 void           MpmChangeNote(const MpmModel model, PetscReal *const field[], PetscInt p, PetscReal mass,
                              const PetscReal stress[]);
 
-/* Adds what is left of them at a time, N at the local nodes, `block` components each. */
+/* Adds their remainder at a time, N at the local nodes, `block` components each. */
 PetscErrorCode MpmChangeAdd(MpmModel model, PetscReal time, PetscReal force[]);

@@ -40,7 +40,7 @@ PetscErrorCode MpmEnergyRebase(MpmModel model);
 
 /* Rows of the state (base/rows.h). */
 PetscErrorCode MpmEnergyAddRows(MpmModel model);
-/* The account as it stands, J, and what moves, kg m/s and kg m2/s about the origin; the same on all ranks. */
+/* The account as it stands, J, and momenta, kg m/s and kg m2/s about the origin; equal on all ranks. */
 typedef struct {
   PetscReal kinetic, elastic, dissipated, external, balance;
   PetscReal momentum[MPM_MAX_DIM], angular[3];

@@ -28,7 +28,7 @@
 #include "step/moving_grid.h"
 
 #define FIELD    "follow" /* 1 at the points of a followed body */
-#define SMALLEST 0.01     /* of the extent that the grid had: what it may be squeezed to */
+#define SMALLEST 0.01     /* of the initial extent of the grid: least remainder */
 
 /* ---- reading ---- */
 
@@ -237,7 +237,7 @@ static const char *Field(const MpmModel model)
   return follow->what == MPM_FOLLOW_MOTION ? model->scene.motions->at[follow->index].share_field : FIELD;
 }
 
-/* Where what is followed is at the step's start, less `from`. */
+/* Place of the followed object at the step's start, less `from`. */
 static PetscErrorCode FindPlace(MpmModel model, const PetscReal from[], PetscReal place[], PetscBool *there)
 {
   const MpmFollow *follow = &model->scene.follow;
@@ -284,7 +284,7 @@ static PetscErrorCode MeanIncrement(MpmModel model, PetscReal mean[])
 
 /* ---- the grid ---- */
 
-/* The lattice's place that moves as what is followed, and the side that stays. */
+/* The lattice's plane that moves with the followed object, and the side that stays. */
 static void FindEnds(const MpmModel model, PetscInt a, PetscReal *at, PetscReal *fixed)
 {
   const MpmFollow *follow = &model->scene.follow;
@@ -297,7 +297,7 @@ static void FindEnds(const MpmModel model, PetscInt a, PetscReal *at, PetscReal 
   *at    = follow->has_at ? follow->at[a] : side < 0 ? grid->start_upper[a] : grid->start_lower[a];
 }
 
-/* The grid where what is followed has moved by so much. */
+/* The grid where the followed object has moved by so much. */
 static void PlaceBy(const MpmModel model, const PetscReal moved[], MpmGrid *grid)
 {
   const MpmFollow *follow = &model->scene.follow;

@@ -40,7 +40,7 @@ PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, MpmOutcome *out
 /* The space of the points where they are now, without a step. */
 PetscErrorCode MpmStepSpace(MpmModel model, MpmOutcome *outcome);
 
-/* ---- what Newton has found (step_trial.c) ---- */
+/* ---- results of Newton's method (step_trial.c) ---- */
 
 /* Fails where the displacement model->disc.u would carry a point out of the grid; names the first one of the lowest
    rank. */
@@ -49,11 +49,11 @@ PetscErrorCode MpmStepFindLost(MpmModel model, MpmOutcome *outcome);
 void MpmStepClip(MpmModel model);
 /* Where points may leave the grid, those that have are taken away; the two above then do nothing. */
 PetscErrorCode MpmStepRemoveGone(MpmModel model);
-/* The trial and the residual, along the axes, of what Newton has found. */
+/* The trial and the residual, along the axes, of Newton's solution. */
 PetscErrorCode MpmStepFindTrial(MpmModel model);
-/* From that residual, what conditions and motions exert: model->disc.reaction. */
+/* Forces of conditions and motions, from that residual: model->disc.reaction. */
 PetscErrorCode MpmStepFindReactions(MpmModel model);
-/* The residual at the step's start, before any prediction: what Newton's tolerance refers to. */
+/* The residual at the step's start, before any prediction: reference of Newton's tolerance. */
 PetscErrorCode MpmStepFindReference(MpmModel model);
 /*
   The start of Newton's method: zero or, with `predict`, the increment extrapolated from the last steps; totals stay,

@@ -161,7 +161,7 @@ PetscErrorCode MpmStepPrescribedRate(MpmModel model, PetscReal time, PetscInt ra
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Conditions that move what they no longer hold. */
+/* Conditions that have lost the material that they move. */
 static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, MpmOutcome *outcome)
 {
   const MpmPrescription step = MpmStepPrescription(model, time);

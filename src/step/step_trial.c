@@ -17,7 +17,7 @@
 #include "step/moving_grid.h"
 #include "step/step.h"
 
-/* The deviations that go with what the points' values have made at the nodes. */
+/* The deviations that go with the nodal values made by the points. */
 static PetscErrorCode KeepDeviations(MpmModel model, const PetscReal u[])
 {
   const MpmSpace *space = model->disc.space;
@@ -112,7 +112,7 @@ PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The solver and the start of Newton; what terms couple with nodes of their own is part of the sparsity. */
+/* The solver and the start of Newton's method; couplings of terms' own nodes are included in the sparsity. */
 static PetscErrorCode PrepareSolver(MpmModel model, PetscBool again, MpmOutcome *outcome)
 {
   PetscBool links;

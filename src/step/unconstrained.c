@@ -192,7 +192,7 @@ static PetscErrorCode FindCentres(Pieces *pieces)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- what holds them ---- */
+/* ---- supports ---- */
 
 /* q . m_k(x) of all motions: translations, then rotations about the axes (in 2D the one across the plane). */
 static void Row(const Pieces *pieces, PetscInt piece, const PetscReal q[], const PetscReal x[], PetscReal row[])
@@ -242,7 +242,7 @@ static void HoldByConditions(Pieces *pieces)
   }
 }
 
-/* Boundaries hold what touches them at the step's start or, if they move, at its end. */
+/* Boundaries support material that touches them at the step's start or, if they move, at its end. */
 static void HoldByBoundaries(Pieces *pieces)
 {
   const MpmModel     model    = pieces->model;
@@ -310,7 +310,7 @@ static void AddLoads(Pieces *pieces)
   }
 }
 
-/* ---- what is free ---- */
+/* ---- free motions ---- */
 
 static PetscErrorCode FindFreedom(const Pieces *pieces, const Sums *sums, Freedom *freedom)
 {

@@ -342,7 +342,7 @@ static PetscBool HasParted(PetscInt stress_size, const PetscReal stress[], Petsc
   return PETSC_TRUE;
 }
 
-/* Volumes of the ground in each level of cells, and of what of it has parted, `levels` values each. */
+/* Volumes of the ground in each level of cells, and of its open ground, `levels` values each. */
 static PetscErrorCode SumLevels(MpmModel model, PetscInt axis, PetscReal up, PetscReal weight, PetscReal volume[])
 {
   const PetscInt dim = model->disc.dim, rates = model->disc.layout->rates, levels = model->disc.grid->cells[axis];

@@ -7,7 +7,7 @@
 #include "space/motion.h"
 #include "assembly/terms.h"
 
-extern const MpmTerm MpmTermDamping; /* of what moves (damping.c); ctx: MpmDamping */
+extern const MpmTerm MpmTermDamping; /* damping of motion (damping.c); ctx: MpmDamping */
 
 /*
   The velocity of a step is v = factor u + rest, u its displacement. Dashpots are those of absorbing conditions
@@ -17,7 +17,7 @@ struct MpmDamping {
   PetscBool            active;            /* in the step */
   PetscReal            mass, stiffness;   /* Rayleigh's, 1/s and s */
   PetscReal            linear, quadratic; /* coefficients of the bulk viscosity */
-  const MpmConditions *conditions;        /* of the scene, with what acts of them */
+  const MpmConditions *conditions;        /* of the scene, with those that are active */
   const MpmActing     *acting;
   PetscReal            factor;         /* 1/s */
   PetscReal           *rest, *dashpot; /* m/s and N s/m, dim values a local node */

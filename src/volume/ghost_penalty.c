@@ -202,9 +202,7 @@ static PetscInt FirstNode(PetscInt degree)
   return -(degree / 2);
 }
 
-/*
-  The pieces that a group's points may touch: those whose nodes are all in its box, and what an edge has taken from it.
-*/
+/* The spans that a group's points may touch: those whose nodes are all in its box, less those removed by an edge. */
 static void GroupPieces(const MpmSpace *space, const MpmGroup *group, const MpmRules *rules, const MpmPoints *points,
                         PetscInt lower[], PetscInt count[])
 {

@@ -56,7 +56,7 @@ static void MultiplyMatrix(const MpmMassMatrix *mass, PetscInt dim, const PetscR
   else Multiply(mass, 3, a, y);
 }
 
-/* y += M a, of values at the local nodes, dim a node; the rows of ghosts hold what this rank adds to them. */
+/* y += M a, of values at the local nodes, dim a node; the rows of ghosts have this rank's contribution. */
 static PetscErrorCode MassTimes(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[])
 {
   const PetscInt dim = sum->space->dim;

@@ -4,5 +4,5 @@
 */
 #include "assembly/terms.h"
 
-extern const MpmTerm MpmTermWaterWeight; /* of what points take up, where the physics has it (water_weight.c) */
+extern const MpmTerm MpmTermWaterWeight; /* water taken up by points, where the physics has it (water_weight.c) */
 extern const MpmTerm MpmTermGhost;       /* the ghost penalty (ghost_penalty.c) */
