@@ -24,8 +24,7 @@ struct MpmPairs {
   MpmPair *at;
 };
 
-/* In explicit steps: the mean of a side as that of a place beside its own (body_impact.c). In 2D the rotation is about
-   z. */
+/* In explicit steps: the mean of a side as that of a place beside its own (body_impact.c). In 2D rotation about z. */
 typedef struct {
   PetscBool turns;                             /* its rotation follows from its nodes */
   PetscReal middle[MPM_MAX_DIM];               /* where the mean of the nodes stands, m */
@@ -97,9 +96,8 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
 PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step);
 PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space);
 /*
-  Patches at the first of Newton's iterates, as at boundaries (body_states.c). Begin: where nothing touches at u, keeps
-  closed those that slid in the last step, for one iteration: until Release. End: all by the law, with its derivative.
-  Collective.
+  Patches at the first of Newton's iterates (body_states.c). Begin: where nothing touches at u, keeps those that slid in
+  the last step closed for one iteration: until Release. End: all by the law, with its derivative. Collective.
 */
 PetscErrorCode MpmPairsBegin(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool careful);
 PetscErrorCode MpmPairsRelease(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool *changed);

@@ -103,8 +103,7 @@ static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *r
   return made;
 }
 
-/* Extents of the faces of each part: lower corners, and upper ones times -1; the longest arm from a point to its face,
-   times -1. */
+/* Extents of the faces of each part: lower corners, upper ones times -1; longest arm from point to face, times -1. */
 typedef struct {
   PetscInt   dim, parts;
   PetscReal *least, reach;
@@ -118,9 +117,8 @@ typedef struct {
       if ((points)->faces[p] & MpmFaceBit(face / 2, face % 2))
 
 /*
-  Faces so far from all of the part on the other side that they cannot lie across from one, nor be in the cell of one
-  that does: by the search, a cell, and arms at both ends, which may end elsewhere on the surface that cut the lattice.
-  Collective.
+  Faces so far from all of the other side's part that they cannot lie across from one, nor be in the cell of one that
+  does: search, a cell, and arms at both ends, which may end elsewhere on the surface that cut the lattice. Collective.
 */
 static PetscErrorCode FindExtents(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPoints *points,
                                   Extents *extents)

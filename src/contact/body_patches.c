@@ -120,8 +120,7 @@ PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts)
 
 /* ---- who lies across from whom ---- */
 
-/* Distance of the middle of a facet of the second body from one of the first; infinite where it does not lie before
-   it. */
+/* Distance of a second body's facet's middle from a facet of the first; infinite where it does not lie before it. */
 static PetscReal Across(PetscInt dim, const MpmPairFacet *one, const MpmPairFacet *other, PetscReal reach)
 {
   PetscReal dot = 0., along = 0., square = 0.;

@@ -153,8 +153,7 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
 /* At displacements u of the local nodes; of a boundary whose motion is prescribed. */
 void MpmPatchEvaluateAt(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                         MpmPatchWork *work, MpmPatchAnswer *answer);
-/* The kept slip becomes that at displacements u, where contact acted at others; when sliding, at most the elastic
-   slip. */
+/* The kept slip becomes that at displacements u, where contact acted at others; at most the elastic slip. */
 void MpmPatchKeepSlip(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                       MpmPatchWork *work, MpmPatchAnswer *answer);
 /* The force on the material at a facet. */

@@ -39,9 +39,6 @@ static inline void MpmContactAcross(PetscInt dim, const PetscReal n[], PetscReal
 */
 PetscBool MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
                           MpmContactFriction *friction);
-/*
-  A barrier's pressure at a gap, 0 from `reach` on, and its fall with the gap; PETSC_FALSE where there is none, the gap
-  being closed.
-*/
+/* A barrier's pressure at a gap, 0 from `reach` on, and its fall with the gap; PETSC_FALSE where the gap is closed. */
 PetscBool MpmContactBarrier(const MpmContactLaw *law, PetscReal reach, PetscReal gap, PetscReal *pressure,
                             PetscReal *rate);

@@ -123,8 +123,8 @@ static PetscReal Beyond(const MpmContacts *contacts, PetscBool holds, PetscReal 
 
 /*
   Distances at the step's end. A flat face stays the one that a facet met at the step's start, as a plane that moves
-  with the boundary. Another one may be nearer to Newton's iterates, which fall deep into it, and to material squeezed
-  out under an edge.
+  with the boundary. Another may be nearer to Newton's iterates, deep inside, and to material squeezed out under an
+  edge.
 */
 static void Distances(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work)
 {

@@ -92,8 +92,7 @@ static PetscReal Reach(PetscInt dim, const PetscReal half[], const PetscReal n[]
   return reach;
 }
 
-/* Fraction of its reach at which the point stands at the start: 1 for all but those that lie nearer. Also its
-   distance. */
+/* Fraction of its reach at which the point stands at the start: 1 for all but nearer ones. Also its distance. */
 static PetscReal InitialShare(const MpmBoundary *boundary, const MpmPoints *points, PetscInt p, PetscReal *distance,
                               PetscReal *reach)
 {
@@ -184,8 +183,7 @@ static PetscErrorCode FindCuts(MpmContacts *contacts, const MpmGrid *grid, const
 /*
   True where the face touched the boundary at the start, with the distance: where the boundary is the reason for which
   the lattice has no point beyond the face. A face along the surface is no step of a cut lattice: its gap is intended,
-  unless the region of its body was drawn as far as to the surface. A touching face is the body's from then on, and
-  keeps its distance.
+  unless the region of its body was drawn as far as to the surface. A touching face keeps its distance.
 */
 static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const MpmPoints *points, PetscInt p,
                                 PetscInt face, PetscReal *touches)
@@ -506,8 +504,8 @@ static void IncludeGroup(MpmGroup *box, const MpmGroup *group)
 
 /*
   Pressure by depth, times the cell size. Plastic material carries pressures that are small beside its modulus: a soft
-  penalty is deep enough then, and Newton's method converges better as the material slides along a curved surface. Round
-  bodies are soft themselves where they touch, by more than their penalty, and need fewer iterations the softer it is.
+  penalty is deep enough, and Newton's method converges better as the material slides along a curved surface. Round
+  bodies are soft where they touch, by more than their penalty, and need fewer iterations the softer it is.
 */
 static PetscReal Penalty(const MpmBoundary *boundary, const MpmMaterial *material, PetscReal modulus, PetscBool round)
 {

@@ -256,7 +256,7 @@ PetscBool MpmContactsIsFar(const MpmContacts *contacts, PetscInt b, PetscReal ma
   return (PetscBool)(surface.distance > margin + REACH * Edges(dim, points, p));
 }
 
-/* MpmContactIsFar() for all points in a box. The motion of a surface is largest in a corner. */
+/* The test for all points in a box. The motion of a surface is largest in a corner. */
 static PetscBool BoxIsFar(const MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmFaceBox *box)
 {
   const PetscInt  dim                 = grid->dim;
@@ -282,8 +282,7 @@ static PetscBool BoxIsFar(const MpmContacts *contacts, PetscInt b, const MpmGrid
   return (PetscBool)(surface.distance * (1. - ROUNDING) > margin * (1. + ROUNDING));
 }
 
-/* BoxIsFar() by halves of the box and halves of these where that is not enough: bodies are mostly longer than they are
-   thick. */
+/* BoxIsFar() by halves of the box, and of these where needed: bodies are mostly longer than they are thick. */
 static PetscBool IsFarInHalves(const MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmFaceBox *box,
                                PetscInt halvings)
 {

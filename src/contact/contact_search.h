@@ -29,8 +29,7 @@ PetscErrorCode MpmFaceBoxesCreate(MpmFaceBoxes **boxes);
 /* A step's points are these; nothing is done where all boundaries are bilateral. */
 PetscErrorCode MpmFaceBoxesBegin(MpmContacts *contacts, const MpmPoints *points);
 PetscErrorCode MpmFaceBoxesDestroy(MpmFaceBoxes **boxes);
-/* True where all points are too far from a boundary that is not bilateral. Otherwise MpmFaceBoxIsFar() says where they
-   are. */
+/* True where all points are too far from a boundary that is not bilateral; else MpmFaceBoxIsFar() says where. */
 PetscErrorCode MpmFaceBoxesFind(const MpmContacts *contacts, PetscInt boundary, const MpmGrid *grid,
                                 const MpmPoints *points, PetscBool *far);
 PetscBool      MpmFaceBoxIsFar(const MpmContacts *contacts, PetscInt boundary, PetscInt p);

@@ -203,8 +203,7 @@ static void OwnBlock(const MpmContacts *contacts, const MpmSum *sum, const MpmRi
   for (PetscInt a = 0; a < 3; a++) block[1][a][a] += lift;
 }
 
-/* Tangent of a patch's own nodes and its body's, element[i][a][c][j] of 3 components each; the body's are the last
-   two. */
+/* Tangent of a patch's own nodes and its body's, element[i][a][c][j] of 3 components each; the body's come last. */
 static void Element(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, PetscInt n,
                     MpmRigidWork *work, PetscReal element[])
 {

@@ -23,8 +23,7 @@ void      MpmRigidLend(const void *ctx, PetscReal mass[], PetscReal velocity[], 
 void      MpmRigidTake(void *ctx, const PetscReal velocity[], const PetscReal acceleration[]);
 PetscReal MpmRigidKinetic(const void *ctx);
 
-/* Room for one patch of a free body: its facets' displacements along the axes, the law's answer, and the mean's
-   derivatives. */
+/* Room for one patch of a free body: its facets' displacements along the axes, the answer, the mean's derivatives. */
 typedef struct {
   MpmPatchWork   law;
   MpmPatchAnswer answer;
@@ -55,8 +54,8 @@ PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmGrid *grid, PetscB
 /* A body that is adrift: motion in place of rest (a term's `refuses`). */
 PetscErrorCode MpmRigidRefuses(const void *ctx, MpmOutcome *outcome);
 /*
-  MpmRigidSettle() for bodies far from balance at the local unknowns u, on the material there; changes their unknowns in
-  the owned x. With `follows` they go a fraction of a cell at most from `last`, the owned unknowns before. Collective.
+  MpmRigidSettle() for bodies far from balance at the local unknowns u; changes their unknowns in the owned x. With
+  `follows` they go a fraction of a cell at most from `last`, the owned unknowns before. Collective.
 */
 PetscErrorCode MpmRigidRelax(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool follows,
                              const PetscScalar last[], PetscScalar x[]);

@@ -35,8 +35,7 @@
 
 /* ---- sums ---- */
 
-/* Adds the forces of this rank's facets: at boundaries with prescribed motion into the residual or, without one, the
-   squares of all. */
+/* Adds this rank's facets' forces: at prescribed boundaries into the residual or, without one, the squares of all. */
 static PetscErrorCode AddForces(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[],
                                 PetscReal residual[], PetscReal *squares)
 {
@@ -186,8 +185,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* B_g[i][c] and B_s[e][i][c] of a patch, e the direction of slip; each of n dim numbers. `own`: by this rank's facets
-   only. */
+/* B_g[i][c] and B_s[e][i][c] of a patch, e the direction of slip; of n dim numbers. `own`: by this rank's facets. */
 static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const MpmPatchWork *work,
                         PetscBool own, PetscReal gap[], PetscReal slip[])
 {
@@ -373,8 +371,7 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* True where a patch's depth is corrected: not for a single facet nearly perpendicular to the boundary, whose area is
-   too small. */
+/* True where a patch's depth is corrected: not for a single facet nearly perpendicular to the boundary. */
 static PetscBool IsCorrected(const MpmContacts *contacts, const MpmPatch *patch)
 {
   const MpmFacet *facet = &contacts->facet[patch->begin];

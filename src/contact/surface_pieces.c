@@ -192,8 +192,7 @@ static PetscReal Corner(const MpmGrid *grid, const MpmPiece *piece, PetscInt k, 
   return value;
 }
 
-/* Facets of a piece: one for each node, with its portion of the area. Neighbours' pieces only at nodes that own ones
-   have. */
+/* Facets of a piece, one a node, with its portion of the area. Neighbours' pieces only at nodes of own ones. */
 static PetscErrorCode SpreadPiece(MpmContacts *contacts, const MpmGrid *grid, PetscInt k, PetscInt count, Place own[])
 {
   const MpmPiece *piece = &contacts->piece[k];

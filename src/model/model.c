@@ -575,7 +575,6 @@ static PetscErrorCode TakeOptions(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A scene of bodies on a grid. */
 /* Parts whose numbers need no option. */
 static PetscErrorCode AddRows(MpmModel model)
 {
@@ -590,6 +589,7 @@ static PetscErrorCode AddRows(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A scene of bodies on a grid. */
 static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options, PetscInt dim, const char *physics)
 {
   PetscBool particular;

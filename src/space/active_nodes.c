@@ -191,10 +191,7 @@ static PetscErrorCode KeepOwned(const MpmSpace *space, const MpmGrid *grid, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Lists the owned nodes, which this rank or another touches, in lattice order, and gives them their local numbers in the
-  maps.
-*/
+/* Lists the owned nodes that any rank touches, in lattice order, and gives them their local numbers in the maps. */
 static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const MpmLists *wanted, PetscInt ghosts,
                                   NodeMap maps[])
 {

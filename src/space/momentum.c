@@ -93,8 +93,7 @@ typedef struct {
   Slim moving, force;
 } Sums;
 
-/* Stress of a force: V_0 tau, or for a small-strain law with derivatives by the present position in place of the
-   initial one. */
+/* Stress of a force: V_0 tau, or for a small-strain law with derivatives by the present position. */
 MPM_INLINE void PointStress(const MpmKnown known, const MpmSum *sum, PetscInt p, Slim P[])
 {
   const MpmPoints *points = sum->points;
@@ -114,8 +113,7 @@ MPM_INLINE void PointStress(const MpmKnown known, const MpmSum *sum, PetscInt p,
     for (PetscInt b = 0; b < dim; b++) P[b] = sigma[b] * (volume * MpmDeterminant(dim, F));
 }
 
-/* Contributions of one point to its nodes: momentum, followed by its mass, their derivatives, and the stress of its
-   force. */
+/* One point's contributions to its nodes: momentum, then mass, their derivatives, and the stress of its force. */
 typedef struct {
   Slim momentum, slope[MPM_MAX_DIM], P[MPM_MAX_DIM];
 } Carried;

@@ -22,8 +22,7 @@ typedef struct {
   const PetscReal *affine; /* in place of v_new for the affine part; or NULL */
   PetscBool        thin;   /* of points on edges of the grid alone */
 } MpmMotionStep;
-/* New velocities and accelerations of the points. Before the points are moved: the weights are those of the step's
-   start. */
+/* New velocities and accelerations of the points, before they are moved: the weights are those of the step's start. */
 PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer, const MpmMotionStep *step);
 
 /*

@@ -63,10 +63,7 @@ MPM_INLINE void Interpolate(const MpmKnown known, const MpmSum *sum, PetscInt p,
   }
 }
 
-/*
-  The values of fields with a rate, and their gradients by the new position, dF^{-T} times those by the old one; dF = I
-  + grad du.
-*/
+/* The values of fields with a rate, and their gradients by the new position, dF^{-T} times those by the old one. */
 static void KeepValues(const MpmSum *sum, const MpmGroup *group, PetscInt p, const PetscReal field[],
                        const PetscReal values[], MpmWorkspace *work)
 {

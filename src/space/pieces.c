@@ -113,10 +113,7 @@ static void FindOverlap(PetscInt degree, PetscReal xi, PetscReal half, Overlap *
   }
 }
 
-/*
-  A point without a domain touches fewer nodes than the piece has where it stands on a knot; beside edges pieces have
-  fewer.
-*/
+/* A point without a domain touches fewer nodes than the span has where it stands on a knot; edge spans have fewer. */
 static PetscBool TouchesAll(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces,
                             const MpmPoints *points, PetscInt p, const PetscInt piece[])
 {
@@ -279,10 +276,7 @@ static PetscInt FindRanks(const Around *around, const PetscInt piece[])
   return MpmGridBoxOwners(around->grid, lower, upper, around->rank);
 }
 
-/*
-  Lists this rank's pieces for the others that need them: `fill` counts the integers for each rank where `sent` has no
-  data.
-*/
+/* Lists this rank's spans for other ranks: `fill` counts the integers for each rank where `sent` has no data. */
 static void ListPieces(const Around *around, const MpmPieces *pieces, PetscInt fill[], const PetscInt slot[],
                        MpmLists *sent)
 {

@@ -49,8 +49,7 @@ typedef struct MpmRules {
 /* First and last node that bound the material around a place on each axis: the grid's edges, or a wall between. */
 void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[]);
 /*
-  Half-lengths of a point's domain in cells: the initial ones stretched by the diagonal of U, no longer than the rules'
-  longest, clipped at walls and at the grid's edges. The clipping is not kept. PETSC_FALSE where the point has no
-  stretch.
+  Half-lengths of a point's domain in cells: initial ones stretched by the diagonal of U, no longer than the rules'
+  longest, clipped at walls and at the grid's edges, without memory. PETSC_FALSE where the point has no stretch.
 */
 PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, PetscInt point, PetscReal half[]);

@@ -6,9 +6,7 @@
 #include "base/types.h"
 #include "talus/point/tables.h"
 
-/*
-  Points that touch the same nodes, a box of count[a] nodes an axis from first[a]; in order[] they stand side by side.
-*/
+/* Points that touch the same nodes, a box of count[a] nodes an axis from first[a]; order[] has them side by side. */
 typedef struct MpmGroup {
   PetscInt  first[MPM_MAX_DIM];
   PetscInt  count[MPM_MAX_DIM];
@@ -130,9 +128,8 @@ PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPo
 PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules);
 PetscErrorCode MpmSpaceReset(MpmSpace *space);
 /*
-  Removes points at these places, in ascending order: from the last of them on, the last of all points takes a removed
-  one's place. Weights are those of the remaining points, and groups hold no others; nodes, boxes and means over cells
-  stay as they are.
+  Removes points at these places, in ascending order: from the last one on, the last of all points takes a removed one's
+  place. Weights and groups are those of the remaining points; nodes, boxes and means over cells stay as they are.
 */
 PetscErrorCode MpmSpaceRemovePoints(MpmSpace *space, PetscInt count, const PetscInt removed[]);
 /*

@@ -7,8 +7,7 @@
 #include "base/types.h"
 #include "talus/point/tables.h"
 
-/* Candidate of the points' state at the step's end, F, Cauchy stress and history, at the displacement u last
-   evaluated. */
+/* Candidate of the points' state at the step's end, F, Cauchy stress and history, at the displacement last used. */
 typedef struct MpmTrial {
   PetscReal *F, *stress, *state, *own, *u;
   PetscBool  made;   /* belongs to the model's residual */
@@ -75,5 +74,5 @@ PetscErrorCode MpmFindOutside(const MpmSum *sum, const MpmGrid *next, const Pets
 
 /* The trial becomes the state: history, F, stress, and positions and rate values that go with u. */
 PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[]);
-/* MpmCommit() where the points' own velocities are known, and no field has a rate. */
+/* The commit where the points' own velocities are known, and no field has a rate. */
 PetscErrorCode MpmCommitMoves(const MpmSum *sum, PetscReal dt, const PetscReal moves[]);

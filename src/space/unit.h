@@ -6,10 +6,7 @@
 #include "space/space.h"
 #include "space/sum.h"
 
-/*
-  A unit is the smallest block of the Jacobian: a group, or a cell where the physics has a mean. Its groups, and the box
-  of their nodes.
-*/
+/* Units, the smallest blocks of the Jacobian: groups, or cells where the physics has a mean; the box of their nodes. */
 static inline PetscInt MpmUnitCount(const MpmSum *sum)
 {
   return sum->layout->means ? sum->space->cell_count : sum->space->group_count;

@@ -4,10 +4,7 @@
 */
 #include "base/base.h"
 
-/*
-  A wall: the plane of a Dirichlet condition on the component along its axis. Domains are clipped there and splines end
-  there.
-*/
+/* A wall: the plane of a Dirichlet condition on the component along its axis, where domains and splines end. */
 typedef struct MpmWall {
   PetscInt  axis;
   PetscInt  node;                                   /* the plane, as a node index on the axis */

@@ -153,8 +153,7 @@ typedef struct {
   PetscInt     spacing;
 } Shape;
 
-/* Weights of a point on one axis with nodes on a coarser lattice, gradients by xi; edges and nodes are those of the
-   grid. */
+/* Weights of a point on one axis with nodes on a coarser lattice, gradients by xi; edges and nodes of the grid. */
 static void EvaluateCoarse(const Shape *shape, MpmEdgeType edge, PetscReal xi, PetscReal half, PetscInt lower,
                            PetscInt upper, MpmShapeLine *line)
 {
@@ -291,8 +290,7 @@ static PetscErrorCode Unite(MpmSpace *space, PetscInt count, Lines lines[], Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Shapes of the fields, and most nodes that a point touches with each on an axis; PETSC_FALSE where there are too
-   many. */
+/* Shapes of the fields, and most nodes of a point with each on an axis; PETSC_FALSE where there are too many. */
 static PetscBool ListShapes(const MpmRules *rules, PetscReal longest, Shape shapes[], Lines lines[])
 {
   PetscInt sum = 0;
