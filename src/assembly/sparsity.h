@@ -29,8 +29,8 @@ typedef struct MpmPattern {
   PetscInt    *slot;       /* local * window: position in the row, or -1 */
   PetscInt    *neighbour;  /* like slot: local nodes; NULL where no node follows others */
   PetscInt    *far_start;  /* local + 1: entries that need not stand in a window, by row; NULL: there are none */
-  PetscInt    *far_column; /* their local nodes, ascending in a row, */
-  PetscInt    *far_slot;   /* and their positions in the row */
+  PetscInt    *far_column; /* their local nodes, ascending in a row */
+  PetscInt    *far_slot;   /* their positions in the row */
   PetscReal  **value;      /* per row, row-major: value[i][(c * columns_i + k)*block + c'] */
   PetscReal   *buffer;
   PetscInt64   buffer_size;

@@ -48,8 +48,8 @@ typedef struct {
   PetscReal    closed;                       /* by so much the last step closed the gap where it touches, m */
   PetscReal    shift;            /* augmented: so deep, m, the penalty gives the pressure that holds it at 0 */
   PetscBool    direct;           /* in an explicit step: no equations are solved, and sides have levers */
-  PetscBool    held;             /* touches whatever its gap is, for an iteration, */
-  PetscReal    way[MPM_MAX_DIM]; /* and slides this way */
+  PetscBool    held;             /* kept closed for an iteration */
+  PetscReal    way[MPM_MAX_DIM]; /* direction of sliding while kept closed */
   PetscReal    through;          /* water that passes by area, time and difference of pressure, m/(Pa s); 0: none */
   MpmPatchSide side[2];
 } MpmPairPatch;

@@ -9,9 +9,8 @@ struct MpmPairFacet {
     across; /* id: of its point, which is `point` on this rank, -1: a copy; across: one of the other body is */
   PetscInt  first[MPM_MAX_DIM], count[MPM_MAX_DIM]; /* its nodes */
   PetscReal place[MPM_MAX_DIM], area[MPM_MAX_DIM], size,
-    cell[MPM_MAX_DIM];               /* size: half the edge of a face; cell: of its point */
-  PetscReal look[MPM_MAX_DIM], seen; /* outward normal of the surface, and the area seen along it; 0: a step's, */
-                                     /* independent of the surface */
+    cell[MPM_MAX_DIM];                        /* size: half the edge of a face; cell: of its point */
+  PetscReal look[MPM_MAX_DIM], seen;          /* outward normal of the surface; area along it, 0: of a step */
   PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* weights by axis */
   PetscReal modulus, strength, plastic;       /* of the material: Pa, Pa, plastic flow */
   PetscInt  placed;                           /* on the surface that cut the lattice */

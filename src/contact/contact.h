@@ -59,8 +59,8 @@ typedef struct {
   PetscBool careful, secant; /* may take, and takes now, the secants of sliding patches */
   PetscBool holds;           /* and it holds patches, of any rank */
   PetscReal least;           /* stiffness of sliding along its direction, over that across (contact_law.h) */
-  PetscReal raised;          /* augmented: the stiffness in this step, over that of the penalty; */
-  PetscReal deepest;         /* and the depth of the last correction over its tolerance */
+  PetscReal raised;          /* augmented: stiffness in this step over that of the penalty */
+  PetscReal deepest;         /* augmented: depth of the last correction over its tolerance */
   PetscReal give;            /* factor on the elastic slip of sticking patches in this attempt */
   PetscBool near;            /* in this step there are patches, of any rank */
   PetscBool bare;            /* there were none in the last step that was taken: points keep nothing of contact */

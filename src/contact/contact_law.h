@@ -14,10 +14,10 @@ typedef struct {
   PetscReal along;              /* stiffness along the surface over that across, of contact that may slide */
   PetscReal friction, adhesion; /* Coulomb's coefficient; Pa */
   PetscReal strength;           /* of the material itself in shear, Pa; or infinite */
-  PetscBool stick;              /* the strength bounds the traction; or, where there is none, */
-  PetscBool parts;              /* a multiple of the pressure bounds the traction of contact that may open */
+  PetscBool stick;              /* the strength bounds the traction */
+  PetscBool parts;              /* without a strength: a multiple of the pressure bounds the traction */
   PetscBool secant;             /* the derivative by the slip when sliding is its secant, t/s */
-  PetscReal least;              /* or has this part of the stiffness across along its way */
+  PetscReal least;              /* least stiffness of sliding, over that across */
 } MpmContactLaw;
 
 /* Along the surface; the traction is the first body's on the second. */

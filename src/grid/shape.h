@@ -38,8 +38,8 @@ typedef struct {
   PetscReal *gradient; /* derivatives by xi (divide by h for d/dx) */
   PetscReal *mean;     /* means over the cell, which MpmShapeMean() makes */
   PetscReal  smooth;   /* share of the means over knot spans in the weights below, 0: none is made */
-  PetscReal *cross;    /* weights that take part in gradients along other axes, */
-  PetscReal *slope;    /* and gradients, both smoothed */
+  PetscReal *cross;    /* weights in gradients along other axes, smoothed */
+  PetscReal *slope;    /* gradients, smoothed */
 } MpmShapeLine;
 
 /* Overlaps with an interval that are smaller than this part of the domain are rounding. */

@@ -47,15 +47,15 @@ typedef struct MpmSurfaceFaces {
   const MpmBodySurfaces *surfaces;
   MpmLoadActing         *acting;            /* by surface */
   const MpmContacts     *contacts;          /* whose boundaries some are */
-  const MpmConditions   *bcs;               /* on planes of symmetry, */
+  const MpmConditions   *bcs;               /* on planes of symmetry */
   const MpmActing       *bcs_acting;        /* by condition */
   PetscReal             *factor, *pressure; /* by surface, at the step's end */
-  PetscReal             *outflow;           /* by surface, of the step or its last stage, m3, */
-  PetscReal             *first;             /* and of its first stage of two, as it counts */
+  PetscReal             *outflow;           /* by surface, of the step or its second sub-step, m3 */
+  PetscReal             *first;             /* by surface, weighted contribution of the first sub-step, m3 */
   PetscBool              any_held;
-  const MpmWaterTable   *table;     /* of the open water, */
-  PetscBool              still;     /* nothing passes: the water's pressure is not solved for */
-  PetscReal              open;      /* and its active fraction in a geostatic stage; otherwise 1 */
+  const MpmWaterTable   *table;     /* of the open water */
+  PetscBool              still;     /* no flow: the water's pressure is not solved for */
+  PetscReal              open;      /* active fraction of open water in a geostatic stage; otherwise 1 */
   const MpmKernelSet    *kernel;    /* of the physics without means over cells */
   PetscInt               component; /* of a node's unknowns: the pressure; -1: there is none */
   PetscInt               face_count, face_capacity, weight_capacity;

@@ -35,8 +35,8 @@ struct MpmLoadActing {
   PetscReal start;  /* its ramp counts from here */
   PetscBool forced; /* the caller has set the factor, and the ramp is not asked */
   PetscReal factor;
-  PetscInt  first, end; /* of a surface: the ids of its body's points, [first, end); */
-  PetscReal outflow;    /* and the water that has passed, m3 so far */
+  PetscInt  first, end; /* of a surface: the ids of its body's points, [first, end) */
+  PetscReal outflow;    /* of a surface: outflow of water, m3 so far */
 };
 
 PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmLoad *load);

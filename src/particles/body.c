@@ -31,8 +31,8 @@ struct _p_MpmBody {
   PetscInt       axis, up; /* gravity's axis, and which way is up, 1 or -1 */
   PetscInt       id_first, id_end;
   PetscInt       per_cell[MPM_MAX_DIM];
-  MpmFill        fill;  /* down to settled ground, */
-  PetscBool      joins; /* where it joins a stage; room for these points is left behind its ids */
+  MpmFill        fill;  /* gap down to settled ground where it joins a stage */
+  PetscBool      joins; /* joins a stage; room for filling points is left behind its ids */
   PetscInt       count, fill_rows;
   int            wrong; /* fault of its stress, as MpmBodyStressFill() has it */
   MpmBodyLattice lattice;

@@ -11,8 +11,8 @@ typedef struct MpmBodies {
   PetscInt  count;
   char    **names;
   MpmBody  *at;
-  PetscInt  parts; /* of the material; more than one where bodies are in contact, */
-  PetscInt *part;  /* and which each is in, from 0 on */
+  PetscInt  parts; /* of the material; more than one where bodies are in contact */
+  PetscInt *part;  /* part of each body, from 0 on */
 } MpmBodies;
 
 PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,

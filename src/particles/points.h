@@ -28,11 +28,11 @@ typedef struct MpmPoints {
   PetscReal *state;     /* state_size values */
   PetscReal *parameter; /* of law and physics at the point, where any varies; at the reduction of strength in force */
   PetscReal *own;       /* own_size values: states of the physics' own */
-  PetscReal *value;     /* rate values, */
-  PetscReal *value_gradient; /* and their derivatives by x */
-  PetscReal *velocity;       /* m/s, */
-  PetscReal *affine;         /* its affine part, dim x dim, as momentum.c has it, */
-  PetscReal *acceleration;   /* and acceleration, m/s2: where a stage of the scene is dynamic */
+  PetscReal *value;     /* of fields with a rate */
+  PetscReal *value_gradient; /* their derivatives by x */
+  PetscReal *velocity;       /* m/s; where a stage of the scene is dynamic */
+  PetscReal *affine;         /* affine velocity, dim x dim, as momentum.c has it */
+  PetscReal *acceleration;   /* m/s2; where a stage of the scene is dynamic */
   PetscReal
     *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major; the one before */
 } MpmPoints;

@@ -71,8 +71,8 @@ typedef struct {
   PetscReal            xi, factor;      /* xi in 1/s, of viscous damping; factor: of local */
   PetscBool            scaled;          /* nodes have the masses required by a long step (relaxation.c) */
   PetscBool            felt;            /* K_F is that of the forces on the points (relaxation.c) */
-  MpmMotionControl     motion;          /* of a rescue, */
-  PetscInt             steps;           /* and how many it may take */
+  MpmMotionControl     motion;          /* of a rescue */
+  PetscInt             steps;           /* of a rescue: largest number of steps */
 } MpmRelaxation;
 
 /* Strengths are divided by the ramp's factor, over the stage's time; no ramp: they are not (strength_reduction.c). */

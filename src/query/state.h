@@ -140,13 +140,14 @@ typedef struct {
 
 /* Variables of a run: points, time, and control of steps. */
 typedef struct {
-  MpmRows       *rows; /* of the numbers that a checkpoint holds besides the points */
-  MpmScheme      scheme;
-  MpmParticles  *particles;
-  PetscReal      time, time_end, dt_nominal, dt_min, dt_max, growth;
-  PetscReal      dt_wanted; /* of the next step */
-  PetscReal      dt_last;   /* of the last step, 0 before the first; */
-  PetscReal      dt_before; /* of the one before; below 0: the next step brings a motion to rest, without a predictor */
+  MpmRows      *rows; /* of the numbers that a checkpoint holds besides the points */
+  MpmScheme     scheme;
+  MpmParticles *particles;
+  PetscReal     time, time_end, dt_nominal, dt_min, dt_max, growth;
+  PetscReal     dt_wanted; /* of the next step */
+  PetscReal     dt_last;   /* s, of the last step, 0 before the first */
+  PetscReal
+    dt_before; /* s, of the step before that; below 0: the next step brings a motion to rest, without a predictor */
   PetscBool      adaptive;
   PetscBool      predict; /* start from the last step's increment */
   PetscInt       step, cuts, cuts_total;

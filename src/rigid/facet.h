@@ -15,14 +15,13 @@ typedef struct {
   PetscInt64 cell;                           /* of the point's centre */
   PetscReal place[MPM_MAX_DIM], normal[MPM_MAX_DIM], slip[MPM_MAX_DIM]; /* at the step's start; the boundary's normal */
   PetscReal distance;                                                   /* at the step's start */
-  PetscInt  side;   /* 0, or of a flat face, which counts in this step, the axis and sense of its normal at rest */
-  PetscReal area;   /* projected on the boundary, m^(dim-1) */
-  PetscInt  single; /* a patch by itself: an edge of the boundary is near (edge_facets.c) */
-  PetscBool askew;  /* nearly perpendicular to the boundary; its area is faded out */
-  PetscInt  slice;  /* 0, or 1 + its index, of a slice of a face that meets an edge */
-  PetscInt  piece;  /* 0, or 1 + its index, of a facet of a piece of the surface that is spread over nodes, */
-  PetscReal
-    portion; /* and of its area that is this facet's; of round and single ones, of that of its point's which touch */
+  PetscInt  side;    /* 0, or of a flat face, which counts in this step, the axis and sense of its normal at rest */
+  PetscReal area;    /* projected on the boundary, m^(dim-1) */
+  PetscInt  single;  /* a patch by itself: an edge of the boundary is near (edge_facets.c) */
+  PetscBool askew;   /* nearly perpendicular to the boundary; its area is faded out */
+  PetscInt  slice;   /* 0, or 1 + its index, of a slice of a face that meets an edge */
+  PetscInt  piece;   /* index + 1 of the surface piece, 0: none */
+  PetscReal portion; /* fraction of the piece's area; of round and single facets, of the touching area of its point */
   PetscInt  round;   /* on the round surface that cut its body's lattice (round_facets.c) */
   PetscReal touches; /* distance at which it touches, m: not 0 where the lattice of points was cut by the surface */
   PetscReal arm[MPM_MAX_DIM],

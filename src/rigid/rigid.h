@@ -16,13 +16,13 @@ typedef struct {
   PetscReal   penalty, friction, adhesion;  /* Coulomb's coefficient; Pa */
   PetscBool   stick, tangential, bilateral; /* tangential: something acts along the surface */
   PetscBool   firm;                         /* the penalty holds for all materials */
-  PetscBool   drained, led;                 /* water passes, at open water's pressure, or at this one: */
+  PetscBool   drained, led;                 /* drained to open water; or at `pressure` */
   PetscReal   pressure;                     /* Pa */
   MpmRegion   region;                       /* of the contact candidates, at the start */
   MpmMotion   motion;
   MpmFreedom *freedom;        /* NULL: all of its motion is prescribed */
-  PetscBool   augmented;      /* the pressures are found to which no depth belongs, to the next: */
-  PetscReal   penetration;    /* m */
+  PetscBool   augmented;      /* pressures are corrected until the depth is below `penetration` */
+  PetscReal   penetration;    /* accepted depth, m */
   char       *pressure_field; /* of the particles, where augmented */
   char       *gap_field;      /* of the particles, where bilateral */
   PetscReal   tension;        /* pull at which a bilateral one opens for good, Pa; 0: none */

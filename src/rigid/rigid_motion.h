@@ -39,8 +39,8 @@ struct MpmRigidBody {
   MpmPlacement     *placement;  /* at the step's start */
   PetscInt  dim, extra, node;   /* its first extra node, and that one's local number: translation, then rotation */
   PetscReal Q[3][3];            /* the turn at the step's start */
-  PetscReal pivot[3];           /* the reference point at the step's start, where the prescribed motion alone has it, */
-  PetscReal travel[3];          /* increment of that motion in the step */
+  PetscReal pivot[3];           /* reference point at the step's start by the prescribed motion alone */
+  PetscReal travel[3];          /* increment of the prescribed motion in the step */
   PetscReal load[3], moment[3]; /* at the step's end */
   PetscReal guess[6];           /* unknowns from which Newton starts */
   PetscReal dt;                 /* s, in a step in which the body's inertia counts; otherwise 0 */

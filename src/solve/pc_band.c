@@ -34,8 +34,8 @@ static const char shell_name[] = "band Cholesky by LAPACK";
 
 typedef struct {
   MpmBandOrder     order;
-  PetscObjectId    matrix;  /* whose pattern the order is for, */
-  PetscObjectState pattern; /* and its state */
+  PetscObjectId    matrix;  /* matrix of the order */
+  PetscObjectState pattern; /* state of its pattern */
   PetscScalar     *value;   /* band, border, corner, and one more: of the ranks' factors, how many failed */
   PetscScalar     *work;    /* a right-hand side in the band's order, and that of the border */
   PC               whole;   /* the substitute, once needed */

@@ -15,8 +15,8 @@ typedef struct {
   PetscInt  owned, n, width, count, first;
   PetscInt  border, corner, size; /* where the parts of the storage begin, and its end */
   PetscInt *place;                /* of the owned unknowns */
-  PetscInt  entries[2];           /* of the matrix's diagonal part and of the other, */
-  PetscInt *to[2];                /* and where they go; -1: nowhere, its transpose does */
+  PetscInt  entries[2];           /* numbers in the matrix's diagonal and off-diagonal blocks */
+  PetscInt *to[2];                /* their places in the band; -1: none, for the transposed entry has one */
 } MpmBandOrder;
 
 /* The rank's rows: columns that it owns, and the others or NULL; with the global numbers of the others' columns. */

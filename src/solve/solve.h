@@ -46,14 +46,14 @@ typedef struct {
   PetscReal         fnorm_last;
   PetscBool         rough;    /* this tolerance will do: contact's pressures are yet to be corrected */
   PetscBool         hasty;    /* stop on stagnation; another strategy follows */
-  PetscReal         least;    /* the least residual so far, or 10 % more, */
-  PetscInt          least_at; /* and after how many iterations */
+  PetscReal         least;    /* smallest residual norm (to 10 %) */
+  PetscInt          least_at; /* iteration at which it was reached */
   PetscInt          balances; /* extra iterations demanded by the force-balance test */
   MpmFieldNormsKept fields;
   MpmMinimisation   minimisation;
   PetscReal         imbalance;         /* of free bodies, at the last iterate */
-  PetscInt          needed_count;      /* Jacobians of this solution that an earlier one would not do for, */
-  PetscInt          needed_count_last; /* and of the last one */
+  PetscInt          needed_count;      /* Jacobians of this solution that could not be reused ones */
+  PetscInt          needed_count_last; /* of the last solution */
 } MpmEvaluations;
 
 /* The preconditioner of two fields by blocks (fieldsplit.c). */

@@ -39,8 +39,8 @@ typedef struct {
   PetscInt   reach;  /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */
   PetscInt   nodes;  /* local */
   PetscInt  *start;  /* nodes + 1: where each row begins */
-  PetscInt  *column; /* local nodes, */
-  PetscInt  *place;  /* in the window, x fastest */
+  PetscInt  *column; /* local nodes */
+  PetscInt  *place;  /* of each column in the window, x fastest */
   PetscReal *value;
 } MpmMassMatrix;
 /* The mass of the sum's points, in place of the last one: it does not change within a step. */

@@ -16,8 +16,8 @@ typedef struct MpmTrial {
 
 /* Water at rest below its level (step/water_state.c); NULL without one. */
 typedef struct {
-  PetscReal *pressure; /* at the local nodes, Pa, */
-  PetscBool *bent;     /* where that is not hydrostatic */
+  PetscReal *pressure; /* at the local nodes, Pa */
+  PetscBool *bent;     /* nodes where the pressure is not hydrostatic */
   PetscReal *gravity;  /* driving the water of each point, m/s2 */
 } MpmWaterAtRest;
 

@@ -84,8 +84,8 @@ PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, Pe
 
 typedef struct {
   PetscReal lower[NUMBERS], h[NUMBERS];    /* of the grid, on the number's axis */
-  PetscReal xi[NUMBERS];                   /* where the points are, in cells, */
-  PetscInt  first[NUMBERS], last[NUMBERS]; /* and the edges that bound the material around them */
+  PetscReal xi[NUMBERS];                   /* places of the points, in cells */
+  PetscInt  first[NUMBERS], last[NUMBERS]; /* edges that bound the material around them */
 } Block;
 
 static void BlockCreate(const MpmRules *rules, Block *block)

@@ -20,8 +20,8 @@ struct MpmInertia {
   PetscBool  consistent;   /* its mass is consistent */
   PetscReal  factor;       /* 1/s2 */
   PetscInt   local, owned; /* nodes of the step's space */
-  PetscReal *mass;         /* kg, lumped, of all local nodes; */
-  PetscReal *at_rest;      /* m/s2, dim values a node */
+  PetscReal *mass;         /* kg, lumped, of all local nodes */
+  PetscReal *at_rest;      /* m/s2, dim values a local node */
 
   MpmMassMatrix matrix; /* where it is consistent */
 };
