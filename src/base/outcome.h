@@ -1,6 +1,6 @@
 #pragma once
 /*
-  Outcome of a step or of one of its parts.
+  Outcome of a step, of one of its parts or of a check of a file.
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -16,7 +16,8 @@ typedef enum {
   MPM_OUTCOME_UNCONSTRAINED, /* motion without resistance */
   MPM_OUTCOME_UNSTABLE,      /* equilibrium without stability */
   MPM_OUTCOME_REFUSED,       /* solution beyond a limit of the scene: error in time, way of a point */
-  MPM_OUTCOME_INADMISSIBLE   /* state or conditions that allow no step */
+  MPM_OUTCOME_INADMISSIBLE,  /* state or conditions that allow no step */
+  MPM_OUTCOME_FILE           /* file that is damaged or of another origin */
 } MpmOutcomeCode;
 
 struct MpmOutcome {

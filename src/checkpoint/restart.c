@@ -135,18 +135,19 @@ static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
 static PetscErrorCode FindLatest(MpmModel model, char path[PETSC_MAX_PATH_LEN], MpmCheckpointHead *head)
 {
   const PetscInt64 collective = (PetscInt64)PetscMin(model->results->checkpoint.collective, 1e18);
-  PetscInt         count, found       = -1;
-  char           **paths, reason[256] = "";
-  const char      *why;
+  PetscInt         count, found                    = -1;
+  char           **paths, reason[MPM_OUTCOME_TEXT] = "";
+  MpmOutcome       outcome;
 
   PetscFunctionBeginUser;
   PetscCall(MpmCheckpointList(model->comm, model->scene.prefix, &count, &paths));
   for (PetscInt k = 0; k < count && found < 0; k++) {
-    PetscCall(MpmCheckpointVerify(model->comm, paths[k], collective, head, reason, &why));
-    if (!why) found = k;
-    else if (k + 1 < count) PetscCall(MpmTerminalWarn(model, "%s: %s; the one before it is tried", paths[k], why));
+    PetscCall(MpmCheckpointVerify(model->comm, paths[k], collective, head, &outcome));
+    if (!outcome.code) found = k;
+    else if (k + 1 < count)
+      PetscCall(MpmTerminalWarn(model, "%s: %s; the one before it is tried", paths[k], outcome.text));
     PetscCall(PetscStrncpy(path, paths[k], PETSC_MAX_PATH_LEN));
-    if (why && why != reason) PetscCall(PetscStrncpy(reason, why, sizeof(reason)));
+    PetscCall(PetscStrncpy(reason, outcome.text, sizeof(reason)));
   }
   PetscCall(MpmNamesDestroy(count, &paths));
   MpmCheckInput(count, "-mpm_restart latest: there is no checkpoint %s_checkpoint.h5", model->scene.prefix);
@@ -207,8 +208,9 @@ static PetscErrorCode CheckScene(MpmModel model, MpmRestart restart)
 PetscErrorCode MpmRestartOpen(MpmModel model)
 {
   const PetscInt64  collective = (PetscInt64)PetscMin(model->results->checkpoint.collective, 1e18);
-  const char       *from = model->results->checkpoint.from, *why = NULL;
-  char              path[PETSC_MAX_PATH_LEN], reason[256];
+  const char       *from       = model->results->checkpoint.from;
+  char              path[PETSC_MAX_PATH_LEN];
+  MpmOutcome        outcome;
   MpmCheckpointHead head;
   MpmRestart        restart;
 
@@ -217,8 +219,8 @@ PetscErrorCode MpmRestartOpen(MpmModel model)
   if (!strcmp(from, "latest")) PetscCall(FindLatest(model, path, &head));
   else {
     PetscCall(PetscStrncpy(path, from, sizeof(path)));
-    PetscCall(MpmCheckpointVerify(model->comm, path, collective, &head, reason, &why));
-    MpmCheckInput(!why, "-mpm_restart %s: %s", path, why);
+    PetscCall(MpmCheckpointVerify(model->comm, path, collective, &head, &outcome));
+    MpmCheckInput(!outcome.code, "-mpm_restart %s: %s", path, outcome.text);
   }
   PetscCall(PetscNew(&restart));
   model->results->checkpoint.restart = restart;
@@ -422,15 +424,17 @@ PetscErrorCode MpmRestartApply(MpmModel model)
 PetscErrorCode MpmRestartOutput(MpmModel model, PetscBool apply)
 {
   MpmRestart         restart = model->results->checkpoint.restart;
-  const char        *h5, *why;
+  const char        *h5;
+  MpmOutcome         outcome;
   const MpmTextFile *index, *grid_index;
   PetscBool          there;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOutputGetFiles(model->results->output, &h5, &index, &grid_index));
-  PetscCall(MpmMarkReturn(model->comm, h5, &restart->results, apply, &there, &why));
-  MpmCheckInput(!why, "-mpm_restart %s: %s cannot be continued: %s; move it away or choose another -mpm_output_prefix",
-                restart->path, h5, why);
+  PetscCall(MpmMarkReturn(model->comm, h5, &restart->results, apply, &there, &outcome));
+  MpmCheckInput(!outcome.code,
+                "-mpm_restart %s: %s cannot be continued: %s; move it away or choose another -mpm_output_prefix",
+                restart->path, h5, outcome.text);
   if (there && apply)
     PetscCall(MpmOutputContinue(model->results->output, restart->index.data, restart->grid_index.data));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,6 +1,7 @@
 /*
   Checkpoint files: head, hash, names.
 */
+#include "base/outcome.h"
 #include "io/io.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -126,7 +127,7 @@ static const char *VerifyHead(const char *path, MpmCheckpointHead *head, char te
 }
 
 PetscErrorCode MpmCheckpointVerify(MPI_Comm comm, const char *path, PetscInt64 collective, MpmCheckpointHead *head,
-                                   char reason[256], const char **why)
+                                   MpmOutcome *outcome)
 {
   char        text[MPM_CHECKPOINT_HEAD], found[256] = "";
   PetscMPIInt rank;
@@ -136,20 +137,20 @@ PetscErrorCode MpmCheckpointVerify(MPI_Comm comm, const char *path, PetscInt64 c
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   memset(head, 0, sizeof(*head));
-  reason[0] = 0;
+  MpmOutcomeClear(outcome);
   if (!rank) {
     const char *wrong = VerifyHead(path, head, text, found);
 
-    if (wrong) (void)snprintf(reason, 256, "%.255s", wrong);
+    if (wrong) PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_FILE, "%s", wrong));
     else memset(HashDigits(text), '0', 16);
   }
-  PetscCallMPI(MPI_Bcast(reason, 256, MPI_CHAR, 0, comm));
-  *why = reason[0] ? reason : NULL;
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOutcomeBroadcast(comm, 0, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Bcast(head, (PetscMPIInt)sizeof(*head), MPI_BYTE, 0, comm));
   PetscCall(HashFile(comm, path, head->size, collective, text, &hash, &read));
-  if (!read) *why = "it cannot be read";
-  else if (hash != head->hash) *why = "it is damaged: its checksum does not fit";
+  if (!read) PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_FILE, "it cannot be read"));
+  else if (hash != head->hash)
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_FILE, "it is damaged: its checksum does not fit"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

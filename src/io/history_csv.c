@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
+#include "base/outcome.h"
 #include "base/base.h"
 #include "io/io.h"
 
@@ -110,7 +111,7 @@ PetscErrorCode MpmHistoryCreate(MPI_Comm comm, const char *path, PetscInt column
 
 /* Checks that the file is unchanged up to the place, with these columns. */
 static PetscErrorCode CompareHistory(FILE *file, const MpmHistoryPlace *place, const MpmTextFile *header,
-                                     const char **why)
+                                     MpmOutcome *outcome)
 {
   MpmHistoryPlace now  = {0, 0};
   size_t          size = (size_t)place->length;
@@ -120,23 +121,22 @@ static PetscErrorCode CompareHistory(FILE *file, const MpmHistoryPlace *place, c
   PetscCall(PetscMalloc1((size + 1), &text));
   size = fread(text, 1, size, file);
   PlaceAdvance(&now, text, size);
-  if (now.length != place->length) *why = "it is shorter than it was";
-  else if (now.hash != place->hash) *why = "it is not what it was";
-  else if (size < header->length || memcmp(text, header->data, header->length)) *why = "it has other columns";
+  if (now.length != place->length) PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_FILE, "it is shorter than it was"));
+  else if (now.hash != place->hash) PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_FILE, "it is not what it was"));
+  else if (size < header->length || memcmp(text, header->data, header->length))
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_FILE, "it has other columns"));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmHistoryContinue(MPI_Comm comm, const char *path, PetscInt columns, const char *const names[],
-                                  const MpmHistoryPlace *place, MpmHistory *history, const char **why)
+                                  const MpmHistoryPlace *place, MpmHistory *history, MpmOutcome *outcome)
 {
-  static const char *const reasons[] = {NULL, "it is shorter than it was", "it is not what it was",
-                                        "it has other columns"};
-  PetscMPIInt              rank;
-  int                      answer[3] = {0, 0, 0}; /* the file exists; the reason; errno */
+  PetscMPIInt rank;
+  int         answer[2] = {0, 0}; /* the file exists; errno */
 
   PetscFunctionBeginUser;
-  *why = NULL;
+  MpmOutcomeClear(outcome);
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (rank == 0) {
     FILE       *file   = fopen(path, "r+");
@@ -144,18 +144,16 @@ PetscErrorCode MpmHistoryContinue(MPI_Comm comm, const char *path, PetscInt colu
 
     answer[0] = file != NULL;
     PetscCall(HeaderText(columns, names, &header));
-    if (file) PetscCall(CompareHistory(file, place, &header, why));
-    for (int k = 1; *why && k < 4; k++)
-      if (!strcmp(*why, reasons[k])) answer[1] = k;
+    if (file) PetscCall(CompareHistory(file, place, &header, outcome));
     errno = 0;
-    if (file && !*why && ftruncate(fileno(file), (off_t)place->length)) answer[2] = errno ? errno : EIO;
+    if (file && !outcome->code && ftruncate(fileno(file), (off_t)place->length)) answer[1] = errno ? errno : EIO;
     if (file) (void)fclose(file);
     PetscCall(MpmTextFileDestroy(&header));
   }
-  PetscCallMPI(MPI_Bcast(answer, 3, MPI_INT, 0, comm));
-  *why = reasons[answer[1]];
-  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmFileCheck(comm, path, answer[2]));
+  PetscCallMPI(MPI_Bcast(answer, 2, MPI_INT, 0, comm));
+  PetscCall(MpmOutcomeBroadcast(comm, 0, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmFileCheck(comm, path, answer[1]));
   if (!answer[0]) {
     PetscCall(MpmHistoryCreate(comm, path, columns, names, history));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -163,8 +161,8 @@ PetscErrorCode MpmHistoryContinue(MPI_Comm comm, const char *path, PetscInt colu
   PetscCall(HistoryNew(comm, path, columns, history));
   (*history)->place = *place;
   errno             = 0;
-  if (rank == 0 && !((*history)->file = fopen(path, "a"))) answer[2] = errno ? errno : EIO;
-  PetscCall(MpmFileCheck(comm, path, answer[2]));
+  if (rank == 0 && !((*history)->file = fopen(path, "a"))) answer[1] = errno ? errno : EIO;
+  PetscCall(MpmFileCheck(comm, path, answer[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

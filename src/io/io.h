@@ -4,6 +4,7 @@
   independent of the model: their arguments are names and arrays.
 */
 #include "base/base.h"
+#include "base/types.h"
 
 typedef struct _p_MpmOutput  *MpmOutput;
 typedef struct _p_MpmHistory *MpmHistory;
@@ -141,11 +142,11 @@ PetscErrorCode MpmOutputDestroy(MpmOutput *output);
 */
 PetscErrorCode MpmMarkSet(MPI_Comm comm, const char *path, MpmTextFile *mark);
 /*
-  Without `apply` only the possibility is checked. `why` is NULL, or the reason for which the file cannot be rolled back
-  (static text); `there`: the file exists.
+  Without `apply` only the possibility is checked. Failure: the file cannot be rolled back; `there`: the file
+  exists.
 */
 PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile *mark, PetscBool apply,
-                             PetscBool *there, const char **why);
+                             PetscBool *there, MpmOutcome *outcome);
 
 /* The CSV writer: header at once, then one row a call, flushed; rank 0 writes. All values with 17 significant digits,
    integers plain. */
@@ -154,14 +155,14 @@ PetscErrorCode MpmHistoryCreate(MPI_Comm comm, const char *path, PetscInt column
 /*
   Place in a history: its bytes and their hash, on rank 0. The file is on the disk when MpmHistoryMark() returns.
   MpmHistoryContinue() opens an existing file, drops rows appended since, and continues; without a file it makes one.
-  `why` is NULL, or the reason for a failure (static text).
+  Failure: the file is not what it was at that place.
 */
 typedef struct {
   PetscInt64 length, hash;
 } MpmHistoryPlace;
 PetscErrorCode MpmHistoryMark(MpmHistory history, MpmHistoryPlace *place);
 PetscErrorCode MpmHistoryContinue(MPI_Comm comm, const char *path, PetscInt columns, const char *const names[],
-                                  const MpmHistoryPlace *place, MpmHistory *history, const char **why);
+                                  const MpmHistoryPlace *place, MpmHistory *history, MpmOutcome *outcome);
 PetscErrorCode MpmHistoryAppend(MpmHistory history, const PetscReal values[]);
 PetscErrorCode MpmHistoryDestroy(MpmHistory *history);
 
@@ -221,9 +222,8 @@ typedef struct {
 */
 PetscErrorCode MpmCheckpointPublish(MPI_Comm comm, const char *prefix, const char *temporary, MpmCheckpointHead *head,
                                     PetscInt keep, PetscInt64 collective);
-/* Checks that it is whole and of this format: `why` is NULL, or the reason (in `text`) for which it is not.
-   Collective. */
+/* Failure: it is not whole, or not of this format. Collective. */
 PetscErrorCode MpmCheckpointVerify(MPI_Comm comm, const char *path, PetscInt64 collective, MpmCheckpointHead *head,
-                                   char text[256], const char **why);
+                                   MpmOutcome *outcome);
 /* The checkpoints of a prefix, the newest first. Collective; free with MpmNamesDestroy(). */
 PetscErrorCode MpmCheckpointList(MPI_Comm comm, const char *prefix, PetscInt *count, char ***paths);

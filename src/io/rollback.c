@@ -15,6 +15,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include "base/outcome.h"
 #include "base/base.h"
 #include "io/hdf5_rows.h"
 #include "io/io.h"
@@ -217,7 +218,7 @@ static int ReturnFile(const char *path, const MpmTextFile *mark, PetscBool apply
 }
 
 PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile *mark, PetscBool apply,
-                             PetscBool *there, const char **why)
+                             PetscBool *there, MpmOutcome *outcome)
 {
   static const char *const reasons[RETURN_COUNT] = {NULL, NULL, "it is shorter than it was", "it is not what it was",
                                                     "it cannot be read and written"};
@@ -229,6 +230,7 @@ PetscErrorCode MpmMarkReturn(MPI_Comm comm, const char *path, const MpmTextFile 
   if (rank == 0 && mark->length) answer = ReturnFile(path, mark, apply);
   PetscCallMPI(MPI_Bcast(&answer, 1, MPI_INT, 0, comm));
   *there = (PetscBool)(answer != RETURN_NONE);
-  *why   = reasons[answer];
+  MpmOutcomeClear(outcome);
+  if (reasons[answer]) PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_FILE, "%s", reasons[answer]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

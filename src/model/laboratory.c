@@ -121,7 +121,7 @@ PetscErrorCode MpmLaboratorySetUp(MpmModel model)
   MpmLaboratory   *laboratory = model->laboratory;
   const MpmOptions block      = {model->comm, "mpm_point_", model->record};
   MpmPointPath    *path       = &laboratory->path;
-  char            *why;
+  MpmOutcome       outcome;
 
   PetscFunctionBeginUser;
   if (laboratory->ready) PetscFunctionReturn(PETSC_SUCCESS);
@@ -130,8 +130,8 @@ PetscErrorCode MpmLaboratorySetUp(MpmModel model)
                                  path->stress, &laboratory->point));
   laboratory->point.stress_measure = laboratory->stress_measure;
   laboratory->point.strain_measure = laboratory->strain_measure;
-  PetscCall(MpmStressPointStart(&laboratory->point, laboratory->start, &why));
-  MpmCheckInput(!why, "-mpm_point_stress: %s", why);
+  PetscCall(MpmStressPointStart(&laboratory->point, laboratory->start, &outcome));
+  MpmCheckInput(!outcome.code, "-mpm_point_stress: %s", outcome.text);
   PetscCall(MpmPointPathBegin(&block, path, laboratory->start));
   model->state.time            = path->time[0];
   model->state.run_end         = path->time[path->rows - 1];

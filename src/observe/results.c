@@ -97,7 +97,8 @@ PetscErrorCode MpmHistoryResume(MpmModel model, const char *path, PetscInt numbe
 {
   const char     *restart = model->results->checkpoint.path;
   MpmHistoryPlace place   = {0, 0};
-  const char     *why, *line = model->results->checkpoint.histories;
+  const char     *line    = model->results->checkpoint.histories;
+  MpmOutcome      outcome;
   char           *end;
 
   PetscFunctionBeginUser;
@@ -105,9 +106,10 @@ PetscErrorCode MpmHistoryResume(MpmModel model, const char *path, PetscInt numbe
   MpmCheckInput(*line, "-mpm_restart %s: it does not know %s", restart, path);
   place.length = (PetscInt64)strtoll(line, &end, 10);
   place.hash   = (PetscInt64)strtoll(end, NULL, 10);
-  PetscCall(MpmHistoryContinue(model->comm, path, columns, names, &place, table, &why));
-  MpmCheckInput(!why, "-mpm_restart %s: %s cannot be continued: %s; move it away or choose another -mpm_output_prefix",
-                restart, path, why);
+  PetscCall(MpmHistoryContinue(model->comm, path, columns, names, &place, table, &outcome));
+  MpmCheckInput(!outcome.code,
+                "-mpm_restart %s: %s cannot be continued: %s; move it away or choose another -mpm_output_prefix",
+                restart, path, outcome.text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -421,7 +421,7 @@ static int FindStart(const MpmStressPoint *point, const MpmInitial *initial, con
   return 0;
 }
 
-PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress[MPM_SPACE_SYM], char **why)
+PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress[MPM_SPACE_SYM], MpmOutcome *outcome)
 {
   static const char *const names[] = {"xx", "yy", "zz", "xy", "yz", "xz"};
   const PetscInt           n       = point->dim;
@@ -429,24 +429,25 @@ PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress
   MpmInitial               initial;
 
   PetscFunctionBeginUser;
-  *why = NULL;
+  MpmOutcomeClear(outcome);
   for (PetscInt k = 0; k < 9; k++) point->now.F[k] = point->F_start[k] = k % 4 ? 0. : 1.;
   PetscCall(PetscArrayzero(point->now.strain, MPM_SPACE_SYM));
   PetscCall(MpmInitialCreate(point->material, n, &initial));
   if (FindStart(point, &initial, stress, reached, F)) {
-    PetscCall(MpmTextAppend(why, "material %s has no state with this stress", point->material->name));
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE, "material %s has no state with this stress",
+                             point->material->name));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt i = 0; i < n; i++)
     for (PetscInt j = 0; j < n; j++) point->F_start[3 * i + j] = F[i * n + j];
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) largest = PetscMax(largest, PetscAbsReal(stress[s]));
   largest = STRESS_MET * largest + 64. * PETSC_MACHINE_EPSILON * point->material->stiffness;
-  for (PetscInt s = 0; s < MpmSymSize(n) && !*why; s++) {
+  for (PetscInt s = 0; s < MpmSymSize(n) && !outcome->code; s++) {
     if (PetscAbsReal(reached[s] - stress[s]) <= largest) continue;
-    PetscCall(MpmTextAppend(why,
-                            n == 2 && s == 2 ? "material %s in plane strain makes %s %g Pa of the other components"
-                                             : "material %s cannot bear it: its %s would be %g Pa",
-                            point->material->name, names[s], (double)reached[s]));
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
+                             n == 2 && s == 2 ? "material %s in plane strain makes %s %g Pa of the other components"
+                                              : "material %s cannot bear it: its %s would be %g Pa",
+                             point->material->name, names[s], (double)reached[s]));
   }
   PetscCall(PetscArraycpy(point->now.stress, reached, MPM_SPACE_SYM));
   PetscFunctionReturn(PETSC_SUCCESS);

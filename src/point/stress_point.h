@@ -74,9 +74,9 @@ PetscErrorCode MpmStressPointCreate(MPI_Comm comm, const MpmMaterial *material, 
 . stress - xx, yy, zz, xy, yz, xz in the measure asked for, Pa
 
   Output Parameter:
-. why - NULL, or the reason for which the law has no such state; free it with PetscFree()
+. outcome - failure where the law has no such state
 @*/
-PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress[MPM_SPACE_SYM], char **why);
+PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress[MPM_SPACE_SYM], MpmOutcome *outcome);
 /*@
   MpmStressPointStep - one step to what is prescribed at its end
 
