@@ -5,7 +5,6 @@
 #include "options/options.h"
 #include "point/layout.h"
 #include "point/material.h"
-#include "grid/grid.h"
 #include "grid/shape.h"
 #include "particles/body.h"
 #include "particles/particles.h"

@@ -1,7 +1,6 @@
 /*
   Forces in cuts and stresses along lines: which columns and files they have.
 */
-#include "grid/grid.h"
 #include "problem/section.h"
 #include "query/model.h"
 #include "observe/lines.h"

@@ -13,12 +13,6 @@
 
 #define MARGIN_OF_RANKS 2 /* nodes around a piece by which owners are looked up beyond the margin */
 
-/* The first of the p + 1 nodes of a piece, counted from the piece. */
-static PetscInt FirstNode(PetscInt degree)
-{
-  return -(degree / 2);
-}
-
 /* Edges about a place, in the lattice of a part. */
 static void EdgesAt(const MpmSpace *space, const MpmRules *rules, PetscInt part, const PetscReal x[], PetscInt lower[],
                     PetscInt upper[])
@@ -30,21 +24,34 @@ static void EdgesAt(const MpmSpace *space, const MpmRules *rules, PetscInt part,
   upper[last] += shift;
 }
 
-/*
-  Edges about the middle of a piece, in the lattice of its part. A piece around a node on a wall with two sides is
-  that on the side with more material.
-*/
-static void PieceEdges(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces, const PetscInt piece[],
-                       PetscInt lower[], PetscInt upper[])
+/* The middle of a piece, on the grid. */
+static void Middle(const MpmSpace *space, const MpmGrid *grid, PetscInt degree, const PetscInt piece[], PetscReal x[])
 {
-  const MpmGrid *grid = rules->grid;
-  const PetscInt part = MpmSpacePart(space, piece);
-  PetscInt       at[MPM_MAX_DIM];
-  PetscReal      x[MPM_MAX_DIM];
+  PetscInt at[MPM_MAX_DIM];
 
   MpmSpaceAt(space, piece, at);
   for (PetscInt a = 0; a < grid->dim; a++)
-    x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)at[a] + (pieces->degree % 2 ? 0.5 : 0.));
+    x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)at[a] + (degree % 2 ? 0.5 : 0.));
+}
+
+void MpmPieceEdges(const MpmSpace *space, const MpmRules *rules, PetscInt degree, const PetscInt piece[],
+                   PetscInt lower[], PetscInt upper[])
+{
+  PetscReal x[MPM_MAX_DIM];
+
+  Middle(space, rules->grid, degree, piece, x);
+  EdgesAt(space, rules, MpmSpacePart(space, piece), x, lower, upper);
+}
+
+/* As MpmPieceEdges(), but that a piece around a node on a wall with two sides is that on the side with more material. */
+static void FilledEdges(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces, const PetscInt piece[],
+                        PetscInt lower[], PetscInt upper[])
+{
+  const MpmGrid *grid = rules->grid;
+  const PetscInt part = MpmSpacePart(space, piece);
+  PetscReal      x[MPM_MAX_DIM];
+
+  Middle(space, grid, pieces->degree, piece, x);
   EdgesAt(space, rules, part, x, lower, upper);
   for (PetscInt a = 0; a < grid->dim; a++) {
     PetscInt above[MPM_MAX_DIM] = {piece[0], piece[1], piece[2]}, below[MPM_MAX_DIM] = {piece[0], piece[1], piece[2]};
@@ -63,10 +70,10 @@ static PetscBool LinesBetween(const MpmSpace *space, const MpmRules *rules, Pets
 {
   for (PetscInt a = 0; a < space->dim; a++) {
     MpmPieceLine  *line = &lines[a];
-    const PetscInt last = piece[a] + FirstNode(degree) + degree;
+    const PetscInt last = piece[a] + MpmPieceFirstNode(degree) + degree;
 
-    *line                = (MpmPieceLine){.first = piece[a] + FirstNode(degree), .lower = lower[a], .upper = upper[a]};
-    line->edge           = MpmEdgeOf(rules->edge, degree, upper[a] - lower[a]);
+    *line      = (MpmPieceLine){.first = piece[a] + MpmPieceFirstNode(degree), .lower = lower[a], .upper = upper[a]};
+    line->edge = MpmEdgeOf(rules->edge, degree, upper[a] - lower[a]);
     const PetscBool open = (PetscBool)(line->edge == MPM_EDGE_OPEN);
 
     line->low  = PetscMax(line->first, lower[a]);
@@ -83,7 +90,7 @@ PetscBool MpmPieceLines(const MpmSpace *space, const MpmRules *rules, const MpmP
 {
   PetscInt lower[MPM_MAX_DIM] = {0}, upper[MPM_MAX_DIM] = {0};
 
-  PieceEdges(space, rules, pieces, piece, lower, upper);
+  FilledEdges(space, rules, pieces, piece, lower, upper);
   return LinesBetween(space, rules, pieces->degree, piece, lower, upper, lines);
 }
 
@@ -144,11 +151,6 @@ static void Add(const MpmPieces *pieces, const PetscInt piece[], PetscInt units,
   pieces->touch[i] = PetscMax(pieces->touch[i], touch);
 }
 
-#define FOR_BOX(lower, count, at) \
-  for (at[2] = (lower)[2]; at[2] < (lower)[2] + (count)[2]; at[2]++) \
-    for (at[1] = (lower)[1]; at[1] < (lower)[1] + (count)[1]; at[1]++) \
-      for (at[0] = (lower)[0]; at[0] < (lower)[0] + (count)[0]; at[0]++)
-
 /* Adds one point's domain. */
 static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points, PetscInt p,
                      const MpmPieces *pieces)
@@ -172,7 +174,7 @@ static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoin
   }
   piece[dim - 1] += shift;
   if (!space->half) Add(pieces, piece, 0, TouchesAll(space, rules, pieces, points, p, piece) ? 2 : 1);
-  FOR_BOX(first, count, piece)
+  MPM_FOR_BOX(first, count, piece)
   {
     PetscInt  at[MPM_MAX_DIM] = {piece[0], piece[1], piece[2]};
     PetscReal part            = units;
@@ -357,7 +359,7 @@ static PetscErrorCode DoubleAtEdges(const MpmSpace *space, const MpmRules *rules
   for (PetscInt i = 0; i < size; i++) {
     if (!fill[i]) continue;
     MpmPiecesAt(pieces, i, piece);
-    PieceEdges(space, rules, pieces, piece, lower, upper);
+    FilledEdges(space, rules, pieces, piece, lower, upper);
     for (PetscInt a = 0; a < space->dim; a++)
       if (piece[a] == lower[a] || piece[a] == upper[a])
         fill[i] = (PetscInt)PetscMin(2 * (PetscInt64)fill[i], PETSC_INT_MAX);

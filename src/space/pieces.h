@@ -61,6 +61,21 @@ static inline void MpmPiecesAt(const MpmPieces *pieces, PetscInt index, PetscInt
     piece[a] = pieces->lower[a] + index % pieces->size[a];
 }
 
+/* The first of the p + 1 nodes of a piece along an axis, counted from the piece. */
+static inline PetscInt MpmPieceFirstNode(PetscInt degree)
+{
+  return -(degree / 2);
+}
+/* Edges about the middle of a piece, in the lattice of its part. */
+void MpmPieceEdges(const MpmSpace *space, const MpmRules *rules, PetscInt degree, const PetscInt piece[],
+                   PetscInt lower[], PetscInt upper[]);
+
+/* Runs over a box on the lattice, the first axis fastest. */
+#define MPM_FOR_BOX(lower, count, at) \
+  for (at[2] = (lower)[2]; at[2] < (lower)[2] + (count)[2]; at[2]++) \
+    for (at[1] = (lower)[1]; at[1] < (lower)[1] + (count)[1]; at[1]++) \
+      for (at[0] = (lower)[0]; at[0] < (lower)[0] + (count)[0]; at[0]++)
+
 /* The nodes of a piece along one axis; coefficients of those beyond an edge are combinations of the others. */
 typedef struct {
   PetscInt    first;        /* of the degree + 1 nodes of the spline */

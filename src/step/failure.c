@@ -6,7 +6,6 @@
   the yield surface.
 */
 #include "point/material.h"
-#include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/points.h"

@@ -12,7 +12,6 @@
   Sources: von Neumann, Richtmyer (1950), J. Appl. Phys. 21, 232-237, doi:10.1063/1.1699639; Landshoff (1955), Los
   Alamos report LA-1930, for the linear term.
 */
-#include "grid/grid.h"
 #include "particles/point_mass.h"
 #include "space/point_loop.h"
 #include "bc/bc.h"
@@ -53,10 +52,10 @@ static PetscErrorCode FindViscosities(MpmDamping *damping, const MpmSum *sum)
 {
   const MpmPoints *points = sum->points;
   const PetscInt   dim    = sum->space->dim;
-  PetscReal        length = sum->grid->h[0];
+  PetscReal        length = sum->cell[0];
 
   PetscFunctionBeginUser;
-  for (PetscInt a = 1; a < dim; a++) length = PetscMin(length, sum->grid->h[a]);
+  for (PetscInt a = 1; a < dim; a++) length = PetscMin(length, sum->cell[a]);
   PetscCall(PetscMalloc1((points->count * MPM_VISCOSITIES + 1), &damping->viscosity));
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &sum->materials[points->material[p]];
