@@ -7,7 +7,7 @@
 
   prescribed unknowns included.
 */
-#include "space/space.h"
+#include "point/layout.h"
 #include "space/sum.h"
 #include "assembly/sparsity_impl.h"
 #include "assembly/terms.h"
@@ -57,7 +57,7 @@ void MpmElementActPair(const MpmElementAction *action, PetscInt bs, PetscInt n, 
 static PetscErrorCode Act(const MpmTerms *terms, PetscInt k, const MpmSum *sum, const PetscReal u[],
                           const MpmElementAction *action, PetscInt *failed)
 {
-  MpmPattern pattern = {.block = sum->block, .dim = sum->space->dim, .action = action};
+  MpmPattern pattern = {.block = sum->block, .dim = sum->layout->dim, .action = action};
 
   PetscFunctionBeginUser;
   if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, &pattern, NULL, failed));

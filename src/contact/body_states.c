@@ -5,7 +5,7 @@
   contact. Where nothing touches at the first iterate any more, patches that slid in the last step are kept closed for
   one iteration.
 */
-#include "space/space.h"
+#include "point/layout.h"
 #include "space/sum.h"
 #include "contact/body_contact.h"
 #include "contact/body_patch.h"
@@ -21,8 +21,8 @@ PetscErrorCode MpmPairsAddSquares(const void *ctx, const MpmSum *sum, const Pets
     MpmPairAnswer answer;
 
     MpmPairRelative(contacts, &contacts->patch[k], sum, u, w);
-    MpmPairEvaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
-    for (PetscInt a = 0; a < sum->space->dim; a++) *squares += PetscSqr(answer.force[a]);
+    MpmPairEvaluate(contacts, &contacts->patch[k], sum->layout->dim, w, &answer);
+    for (PetscInt a = 0; a < sum->layout->dim; a++) *squares += PetscSqr(answer.force[a]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -48,7 +48,7 @@ PetscErrorCode MpmPairsAugment(void *ctx, const MpmSum *sum, const PetscReal u[]
     shift[k] = 0.;
     if (!pair->augmented) continue;
     MpmPairRelative(contacts, patch, sum, u, w);
-    MpmPairEvaluate(contacts, patch, sum->space->dim, w, &answer);
+    MpmPairEvaluate(contacts, patch, sum->layout->dim, w, &answer);
     if (answer.active) shift[k] = -answer.gap;
     if (answer.active || patch->shift > 0.)
       *worst = PetscMax(*worst, PetscAbsReal(shift[k] - patch->shift) / (pair->penetration * contacts->cell));
@@ -75,7 +75,7 @@ static PetscErrorCode Touches(const MpmPairContacts *contacts, PetscInt pair, co
 
     if (contacts->patch[k].pair != pair) continue;
     MpmPairRelative(contacts, &contacts->patch[k], sum, u, w);
-    MpmPairEvaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
+    MpmPairEvaluate(contacts, &contacts->patch[k], sum->layout->dim, w, &answer);
     *touches = answer.active;
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, touches, 1, MPM_MPI_BOOL, MPI_LOR, contacts->comm));
@@ -85,7 +85,7 @@ static PetscErrorCode Touches(const MpmPairContacts *contacts, PetscInt pair, co
 PetscErrorCode MpmPairsBegin(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool careful)
 {
   MpmPairContacts *contacts = (MpmPairContacts *)ctx;
-  const PetscInt   dim      = sum->space->dim;
+  const PetscInt   dim      = sum->layout->dim;
 
   PetscFunctionBeginUser;
   (void)careful;

@@ -28,8 +28,8 @@
 #include "particles/body.h"
 #include "particles/outer_faces.h"
 #include "particles/points.h"
-#include "space/motion.h"
 #include "space/sum.h"
+#include "transfer/motion.h"
 #include "contact/contact.h"
 
 #define SITES 4    /* places of a face on each axis: a disc rolls on fewer like a polygon; with 8 nothing changes */

@@ -34,9 +34,10 @@
 */
 #include "point/layout.h"
 #include "particles/particles.h"
-#include "space/motion.h"
 #include "space/space.h"
 #include "space/sum.h"
+#include "transfer/momentum.h"
+#include "transfer/motion.h"
 #include "bc/bc.h"
 #include "assembly/terms.h"
 #include "volume/damping.h"

@@ -4,7 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "space/momentum.h"
+#include "transfer/transfer.h"
 #include "talus/talus.h"
 #include "query/scene.h"
 

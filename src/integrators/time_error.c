@@ -18,6 +18,7 @@
   step. The factor is so chosen that consolidation (one-dimensional, finite strain) keeps the requested bound.
   Source for the shape of such estimates: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 */
+#include "point/material.h"
 #include "particles/particles.h"
 #include "space/point_loop.h"
 #include "bc/bc.h"

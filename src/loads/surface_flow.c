@@ -25,6 +25,7 @@
   with it the gradient between them: the body would drain as a smaller one.
 */
 #include "grid/grid.h"
+#include "space/kernel_point.h"
 #include "space/point_loop.h"
 #include "space/rules.h"
 #include "assembly/sparsity.h"

@@ -3,7 +3,6 @@
   up, and the Jacobian there made in all ways.
 */
 #include "particles/particles.h"
-#include "space/space.h"
 #include "bc/bc.h"
 #include "query/model.h"
 #include "step/step.h"
@@ -22,12 +21,14 @@ static PetscErrorCode AddNoise(MpmModel model, PetscReal cells, PetscInt seed, V
 {
   const MpmDiscretization *disc = &model->disc;
   const PetscInt           bs = disc->block, dim = disc->dim;
+  PetscInt                 owned;
+  const PetscInt          *nodes = MpmOwnedNodes(disc, &owned);
   PetscScalar             *values;
 
   PetscFunctionBeginUser;
   PetscCall(VecGetArray(x, &values));
-  for (PetscInt k = 0; k < disc->space->owned * bs; k++) {
-    const PetscInt *node = &disc->space->node[(k / bs) * dim], c = k % bs;
+  for (PetscInt k = 0; k < owned * bs; k++) {
+    const PetscInt *node = &nodes[(k / bs) * dim], c = k % bs;
     const PetscReal scale = cells * disc->h[c % dim]; /* in the unknowns' units: a part of 1, or of a stiffness */
     const PetscInt  place = node[0] + 31 * node[1] + (dim > 2 ? 977 * node[2] : 0);
 

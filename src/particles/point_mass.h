@@ -3,6 +3,7 @@
   Masses and parameters of points, for loops over them.
 */
 #include "point/material.h"
+#include "point/variation.h"
 #include "particles/points.h"
 
 /* A point's own parameters, of its law and physics; NULL: those of its material, which is uniform. */

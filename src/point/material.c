@@ -4,6 +4,7 @@
 */
 #include "options/options.h"
 #include "point/material.h"
+#include "point/variation.h"
 #include "point/wave_speed.h"
 #include "point/parameter.h"
 #include "point/registry.h"

@@ -4,7 +4,6 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "point/variation.h"
 #include "talus/talus.h"
 
 #define MPM_NU_LOCKS      0.45 /* Poisson's ratio above which material is nearly incompressible */

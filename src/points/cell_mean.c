@@ -7,6 +7,7 @@
   conjugate to m_bar, summed over the cell, the work f delta m_bar adds f w_p dm_p to the fluxes of each point, and f
   w_p ddm_p to their derivatives. The passes over a cell make m_bar, then fluxes and f, then these additions.
 */
+#include "space/kernel_point.h"
 #include "points/cell_mean.h"
 #include "points/point_term.h"
 

@@ -2,6 +2,7 @@
 /*
   The tangent of one point, for the sums of tangent.c and tangent_diagonal.c, into whose loops it is inlined.
 */
+#include "space/kernel_point.h"
 #include "space/unit.h"
 #include "assembly/sparsity.h"
 #include "points/coupling.h"

@@ -1,6 +1,7 @@
 /*
   The residual of the physics at the points.
 */
+#include "space/kernel_point.h"
 #include "points/cell_mean.h"
 #include "points/point_term.h"
 #include "points/point_terms.h"

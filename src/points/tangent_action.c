@@ -3,6 +3,7 @@
   through its own tangent where tangents are kept. The coloured, dense and differenced Jacobians are made of actions on
   seeds.
 */
+#include "space/kernel_point.h"
 #include "space/unit.h"
 #include "assembly/terms.h"
 #include "points/action.h"

@@ -120,6 +120,12 @@ PetscErrorCode MpmNodesToOwners(const MpmDiscretization *disc, PetscInt block, P
   return MpmSpaceAddToOwners(disc->space, block, local);
 }
 
+const PetscInt *MpmOwnedNodes(const MpmDiscretization *disc, PetscInt *count)
+{
+  *count = disc->space->owned;
+  return disc->space->node;
+}
+
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[])
 {
   PetscInt at[MPM_MAX_DIM];

@@ -64,5 +64,7 @@ PetscErrorCode MpmNodesToGhosts(const MpmDiscretization *disc, PetscInt block, P
 PetscErrorCode MpmNodesToOwners(const MpmDiscretization *disc, PetscInt block, PetscReal local[]);
 /* Where a local node is, m. */
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]);
+/* Lattice indices of the nodes that this rank owns, dim each, and their number. */
+const PetscInt *MpmOwnedNodes(const MpmDiscretization *disc, PetscInt *count);
 /* Frees the arrays. */
 PetscErrorCode MpmTrialReset(MpmTrial *trial);

@@ -24,6 +24,7 @@
 #include "grid/grid.h"
 #include "particles/particles.h"
 #include "particles/selection.h"
+#include "space/kernel_point.h"
 #include "space/point_loop.h"
 #include "space/unit.h"
 #include "bc/bc.h"

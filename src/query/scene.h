@@ -4,7 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "space/momentum.h"
+#include "transfer/transfer.h"
 #include "talus/talus.h"
 
 /* The value of -mpm_physics for a scene of one material point. */

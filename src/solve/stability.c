@@ -16,7 +16,6 @@
 #include "options/options.h"
 #include "point/layout.h"
 #include "point/material.h"
-#include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "problem/discretization.h"
@@ -97,13 +96,15 @@ static PetscErrorCode CountNegative(MpmSolver *solver, PetscInt *negative)
 /* A start for the inverse iteration that does not depend on the ranks. */
 static PetscErrorCode StartMode(MpmSolver *solver, Vec mode)
 {
-  const PetscInt bs = solver->disc->block, dim = solver->disc->dim;
-  PetscScalar   *v;
+  const PetscInt  bs = solver->disc->block, dim = solver->disc->dim;
+  PetscInt        owned;
+  const PetscInt *nodes = MpmOwnedNodes(solver->disc, &owned);
+  PetscScalar    *v;
 
   PetscFunctionBeginUser;
   PetscCall(VecGetArrayWrite(mode, &v));
-  for (PetscInt k = 0; k < solver->disc->space->owned * bs; k++) {
-    const PetscInt *node = &solver->disc->space->node[k / bs * dim];
+  for (PetscInt k = 0; k < owned * bs; k++) {
+    const PetscInt *node = &nodes[k / bs * dim];
     PetscReal       seed = 12.9898 * (PetscReal)node[0] + 78.233 * (PetscReal)node[1] + 3.7 * (PetscReal)(k % bs);
 
     if (dim > 2) seed += 37.719 * (PetscReal)node[2];
@@ -153,12 +154,14 @@ static PetscErrorCode FindPlace(MpmSolver *solver, Vec mode, PetscReal place[])
     double size;
     int    rank;
   } most = {.size = -1.};
+  PetscInt owned;
 
   PetscFunctionBeginUser;
+  (void)MpmOwnedNodes(solver->disc, &owned);
   PetscCallMPI(MPI_Comm_rank(solver->disc->comm, &most.rank));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) place[a] = 0.;
   PetscCall(VecGetArrayRead(mode, &v));
-  for (PetscInt i = 0; i < solver->disc->space->owned; i++) {
+  for (PetscInt i = 0; i < owned; i++) {
     PetscReal size = 0.;
 
     for (PetscInt a = 0; a < dim; a++) size += PetscSqr(PetscRealPart(v[i * bs + a]));

@@ -1,6 +1,7 @@
 /*
   From nodes to points: a converged step becomes the points' state.
 */
+#include "point/material.h"
 #include "space/point_loop.h"
 
 /* Gradient of the increment by the new position, I - F_n F_{n+1}^{-1}; under F-bar with the cell's volume change. */

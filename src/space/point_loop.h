@@ -5,12 +5,9 @@
   short must be unrolled.
 */
 #include "point/layout.h"
-#include "point/material.h"
-#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/space.h"
 #include "space/sum.h"
-#include "talus/point/flow.h"
 
 /*
   Loop bounds known at compile time: the layout of a solid, whose block is dim and whose inputs are all derivatives, or
@@ -47,6 +44,59 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
 }
 
 /*
+  Dimensions whose usual cases have loops of their own. A source whose loops are dear to compile is compiled once for each
+  dimension, MPM_LOOPS, and names its functions by it. Under the sanitizers all loops are general: MPM_LOOPS_GENERAL.
+*/
+#if !defined(MPM_LOOPS_GENERAL) && (!defined(MPM_LOOPS) || MPM_LOOPS == 2)
+#define MPM_CASES_2D(f, ...) \
+  MPM_CASE(f, 2, 2, 2, 1, __VA_ARGS__); \
+  MPM_CASE(f, 2, 3, 2, 1, __VA_ARGS__); \
+  MPM_CASE(f, 2, 2, 3, 1, __VA_ARGS__); \
+  MPM_CASE(f, 2, 3, 3, 1, __VA_ARGS__); \
+  MPM_CASE(f, 2, 4, 2, 1, __VA_ARGS__); \
+  MPM_CASE(f, 2, 2, 4, 1, __VA_ARGS__); \
+  MPM_CASE(f, 2, 4, 3, 1, __VA_ARGS__); \
+  MPM_CASE(f, 2, 3, 4, 1, __VA_ARGS__); \
+  MPM_CASE(f, 2, 4, 4, 1, __VA_ARGS__)
+#define MPM_BIOT_CASES_2D(f, ...) \
+  MPM_BIOT_CASE(f, 2, 2, 2, 1, __VA_ARGS__); \
+  MPM_BIOT_CASE(f, 2, 3, 2, 1, __VA_ARGS__); \
+  MPM_BIOT_CASE(f, 2, 2, 3, 1, __VA_ARGS__); \
+  MPM_BIOT_CASE(f, 2, 3, 3, 1, __VA_ARGS__)
+#else
+#define MPM_CASES_2D(f, ...)
+#define MPM_BIOT_CASES_2D(f, ...)
+#endif
+#if !defined(MPM_LOOPS_GENERAL) && (!defined(MPM_LOOPS) || MPM_LOOPS == 3)
+#define MPM_CASES_3D(f, ...) \
+  MPM_CASE(f, 3, 2, 2, 2, __VA_ARGS__); \
+  MPM_CASE(f, 3, 3, 2, 2, __VA_ARGS__); \
+  MPM_CASE(f, 3, 2, 3, 2, __VA_ARGS__); \
+  MPM_CASE(f, 3, 3, 3, 2, __VA_ARGS__); \
+  MPM_CASE(f, 3, 2, 2, 3, __VA_ARGS__); \
+  MPM_CASE(f, 3, 3, 2, 3, __VA_ARGS__); \
+  MPM_CASE(f, 3, 2, 3, 3, __VA_ARGS__); \
+  MPM_CASE(f, 3, 3, 3, 3, __VA_ARGS__)
+#define MPM_BIOT_CASES_3D(f, ...) \
+  MPM_BIOT_CASE(f, 3, 2, 2, 2, __VA_ARGS__); \
+  MPM_BIOT_CASE(f, 3, 3, 2, 2, __VA_ARGS__); \
+  MPM_BIOT_CASE(f, 3, 2, 3, 2, __VA_ARGS__); \
+  MPM_BIOT_CASE(f, 3, 3, 3, 2, __VA_ARGS__); \
+  MPM_BIOT_CASE(f, 3, 2, 2, 3, __VA_ARGS__); \
+  MPM_BIOT_CASE(f, 3, 3, 2, 3, __VA_ARGS__); \
+  MPM_BIOT_CASE(f, 3, 2, 3, 3, __VA_ARGS__); \
+  MPM_BIOT_CASE(f, 3, 3, 3, 3, __VA_ARGS__)
+#else
+#define MPM_CASES_3D(f, ...)
+#define MPM_BIOT_CASES_3D(f, ...)
+#endif
+#if defined(MPM_LOOPS) && MPM_LOOPS == 2
+#define MPM_LOOPS_NAME(function) function##_2d
+#elif defined(MPM_LOOPS)
+#define MPM_LOOPS_NAME(function) function##_3d
+#endif
+
+/*
   Calls f(known, ...) with constants for the usual cases: a solid whose points touch two, three or, in 2D, four nodes an
   axis; in 3D the loops over four are long enough as they are. The general case is the same code with variables.
 */
@@ -61,23 +111,8 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
     const PetscInt *const count_ = (group)->count; \
     const PetscInt        most_  = PetscMax(PetscMax(count_[0], count_[1]), count_[2]); \
     switch ((layout)->solid && most_ <= 4 ? (count_[2] * 5 + count_[1]) * 5 + count_[0] : -1) { \
-      MPM_CASE(f, 2, 2, 2, 1, __VA_ARGS__); \
-      MPM_CASE(f, 2, 3, 2, 1, __VA_ARGS__); \
-      MPM_CASE(f, 2, 2, 3, 1, __VA_ARGS__); \
-      MPM_CASE(f, 2, 3, 3, 1, __VA_ARGS__); \
-      MPM_CASE(f, 2, 4, 2, 1, __VA_ARGS__); \
-      MPM_CASE(f, 2, 2, 4, 1, __VA_ARGS__); \
-      MPM_CASE(f, 2, 4, 3, 1, __VA_ARGS__); \
-      MPM_CASE(f, 2, 3, 4, 1, __VA_ARGS__); \
-      MPM_CASE(f, 2, 4, 4, 1, __VA_ARGS__); \
-      MPM_CASE(f, 3, 2, 2, 2, __VA_ARGS__); \
-      MPM_CASE(f, 3, 3, 2, 2, __VA_ARGS__); \
-      MPM_CASE(f, 3, 2, 3, 2, __VA_ARGS__); \
-      MPM_CASE(f, 3, 3, 3, 2, __VA_ARGS__); \
-      MPM_CASE(f, 3, 2, 2, 3, __VA_ARGS__); \
-      MPM_CASE(f, 3, 3, 2, 3, __VA_ARGS__); \
-      MPM_CASE(f, 3, 2, 3, 3, __VA_ARGS__); \
-      MPM_CASE(f, 3, 3, 3, 3, __VA_ARGS__); \
+      MPM_CASES_2D(f, __VA_ARGS__); \
+      MPM_CASES_3D(f, __VA_ARGS__); \
     default: \
       PetscCall(f(KnownGeneral(layout, group), __VA_ARGS__)); \
       break; \
@@ -96,18 +131,8 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
     const PetscInt *const nodes_ = (group)->count; \
     const PetscInt        size_  = PetscMax(PetscMax(nodes_[0], nodes_[1]), nodes_[2]); \
     switch ((layout)->biot && size_ <= 3 ? (((layout)->dim * 5 + nodes_[2]) * 5 + nodes_[1]) * 5 + nodes_[0] : -1) { \
-      MPM_BIOT_CASE(f, 2, 2, 2, 1, __VA_ARGS__); \
-      MPM_BIOT_CASE(f, 2, 3, 2, 1, __VA_ARGS__); \
-      MPM_BIOT_CASE(f, 2, 2, 3, 1, __VA_ARGS__); \
-      MPM_BIOT_CASE(f, 2, 3, 3, 1, __VA_ARGS__); \
-      MPM_BIOT_CASE(f, 3, 2, 2, 2, __VA_ARGS__); \
-      MPM_BIOT_CASE(f, 3, 3, 2, 2, __VA_ARGS__); \
-      MPM_BIOT_CASE(f, 3, 2, 3, 2, __VA_ARGS__); \
-      MPM_BIOT_CASE(f, 3, 3, 3, 2, __VA_ARGS__); \
-      MPM_BIOT_CASE(f, 3, 2, 2, 3, __VA_ARGS__); \
-      MPM_BIOT_CASE(f, 3, 3, 2, 3, __VA_ARGS__); \
-      MPM_BIOT_CASE(f, 3, 2, 3, 3, __VA_ARGS__); \
-      MPM_BIOT_CASE(f, 3, 3, 3, 3, __VA_ARGS__); \
+      MPM_BIOT_CASES_2D(f, __VA_ARGS__); \
+      MPM_BIOT_CASES_3D(f, __VA_ARGS__); \
     default: \
       MPM_DISPATCH(layout, group, f, __VA_ARGS__); \
       break; \
@@ -188,57 +213,6 @@ MPM_INLINE void MpmSumAddFlux(const MpmKnown known, const MpmLayout *layout, con
 
     for (PetscInt i = 0; i < n; i++) f[i] += phi[i] * value;
   }
-}
-
-/* Gravity of the water at point p. */
-MPM_INLINE const PetscReal *MpmSumGravity(const MpmSum *sum, PetscInt p)
-{
-  return sum->still.gravity ? &sum->still.gravity[p * sum->space->dim] : sum->gravity;
-}
-
-/* The kernel's view of point p. */
-MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point)
-{
-  const MpmPoints   *points   = sum->points;
-  const MpmMaterial *material = &sum->materials[points->material[p]];
-  const double      *own      = MpmPointOwn(points, material, p);
-  const PetscInt     dim      = sum->space->dim;
-
-  point->parameter         = own ? own : material->parameter;
-  point->physics_parameter = MpmMaterialPhysicsValues(material, own);
-  point->state_n           = points->state ? &points->state[p * sum->state_size] : NULL;
-  point->F_n               = &points->F[p * dim * dim];
-  point->own_n             = points->own ? &points->own[p * sum->own_size] : NULL;
-  point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;
-  point->deviation_n       = sum->deviation_n ? &sum->deviation_n[p * sum->layout->deviations] : NULL;
-  point->gravity           = MpmSumGravity(sum, p);
-  point->cell              = sum->cell;
-  point->info              = &material->info;
-  point->stage             = sum->first ? &sum->first[p] : NULL;
-  point->volume0           = sum->part * points->volume0[p];
-  point->dt                = sum->dt;
-  point->traits            = material->info.traits | (sum->drained ? MPM_POINT_DRAINED : 0u);
-  point->law               = material->law;
-  point->table             = material->table;
-  point->dilatancy         = material->dilatancy;
-  point->state             = NULL;
-  point->own               = NULL;
-  point->F                 = NULL;
-  point->stress            = NULL;
-  point->stress_n          = sum->rest ? &points->stress[p * MpmSymSize(dim)] : NULL;
-}
-
-/* Destinations of the kernel's candidate of the step's end. */
-MPM_INLINE void MpmSumTrial(const MpmSum *sum, PetscInt p, MpmKernelPoint *point)
-{
-  const MpmTrial *trial = sum->trial;
-  const PetscInt  dim   = sum->space->dim;
-
-  if (!trial) return;
-  if (sum->own_size) point->own = &trial->own[p * sum->own_size];
-  point->F      = &trial->F[p * dim * dim];
-  point->stress = &trial->stress[p * MpmSymSize(dim)];
-  if (sum->materials[sum->points->material[p]].state_size) point->state = &trial->state[p * sum->state_size];
 }
 
 /*

@@ -4,7 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "space/motion.h"
+#include "transfer/motion.h"
 #include "assembly/terms.h"
 
 extern const MpmTerm MpmTermDamping; /* damping of motion (damping.c); ctx: MpmDamping */

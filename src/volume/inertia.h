@@ -4,7 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "space/motion.h"
+#include "transfer/motion.h"
 #include "assembly/terms.h"
 
 extern const MpmTerm MpmTermInertia; /* of the points' mass (inertia.c); ctx: MpmInertia */

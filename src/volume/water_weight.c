@@ -7,6 +7,7 @@
   increment, 1 + tr(F - I) at small strain; the mean over a cell, F-bar's, gives the cell an equal weight. The
   derivative of a point is of rank one: a row phi_i g_a and a column d J / d u_j,b.
 */
+#include "point/material.h"
 #include "space/point_loop.h"
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"

@@ -4,7 +4,6 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "space/momentum.h"
 
 /*
   Mass (kg) and velocity (m/s) at all local nodes, ghosts included. Adds to `force`, of which each rank has its share of

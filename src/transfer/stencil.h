@@ -4,8 +4,8 @@
   velocity.
 */
 #include "grid/grid.h"
-#include "space/momentum.h"
 #include "space/point_loop.h"
+#include "transfer/transfer.h"
 
 /* A vector of the processor; a pointer to numbers may be taken for one to vectors. */
 #define SLIM 4

@@ -1,0 +1,62 @@
+#pragma once
+/*
+  A point as the physics' kernel takes it.
+*/
+#include "point/layout.h"
+#include "point/material.h"
+#include "particles/point_mass.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "talus/point/flow.h"
+
+/* Gravity of the water at point p. */
+MPM_INLINE const PetscReal *MpmSumGravity(const MpmSum *sum, PetscInt p)
+{
+  return sum->still.gravity ? &sum->still.gravity[p * sum->space->dim] : sum->gravity;
+}
+
+/* The kernel's view of point p. */
+MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point)
+{
+  const MpmPoints   *points   = sum->points;
+  const MpmMaterial *material = &sum->materials[points->material[p]];
+  const double      *own      = MpmPointOwn(points, material, p);
+  const PetscInt     dim      = sum->space->dim;
+
+  point->parameter         = own ? own : material->parameter;
+  point->physics_parameter = MpmMaterialPhysicsValues(material, own);
+  point->state_n           = points->state ? &points->state[p * sum->state_size] : NULL;
+  point->F_n               = &points->F[p * dim * dim];
+  point->own_n             = points->own ? &points->own[p * sum->own_size] : NULL;
+  point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;
+  point->deviation_n       = sum->deviation_n ? &sum->deviation_n[p * sum->layout->deviations] : NULL;
+  point->gravity           = MpmSumGravity(sum, p);
+  point->cell              = sum->cell;
+  point->info              = &material->info;
+  point->stage             = sum->first ? &sum->first[p] : NULL;
+  point->volume0           = sum->part * points->volume0[p];
+  point->dt                = sum->dt;
+  point->traits            = material->info.traits | (sum->drained ? MPM_POINT_DRAINED : 0u);
+  point->law               = material->law;
+  point->table             = material->table;
+  point->dilatancy         = material->dilatancy;
+  point->state             = NULL;
+  point->own               = NULL;
+  point->F                 = NULL;
+  point->stress            = NULL;
+  point->stress_n          = sum->rest ? &points->stress[p * MpmSymSize(dim)] : NULL;
+}
+
+/* Destinations of the kernel's candidate of the step's end. */
+MPM_INLINE void MpmSumTrial(const MpmSum *sum, PetscInt p, MpmKernelPoint *point)
+{
+  const MpmTrial *trial = sum->trial;
+  const PetscInt  dim   = sum->space->dim;
+
+  if (!trial) return;
+  if (sum->own_size) point->own = &trial->own[p * sum->own_size];
+  point->F      = &trial->F[p * dim * dim];
+  point->stress = &trial->stress[p * MpmSymSize(dim)];
+  if (sum->materials[sum->points->material[p]].state_size) point->state = &trial->state[p * sum->state_size];
+}
