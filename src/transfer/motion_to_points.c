@@ -42,7 +42,6 @@ MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, PetscInt p, c
 MPM_INLINE PetscErrorCode MotionToPoints(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
                                          const MpmMotionStep *step, const Gathered *at)
 {
-  const PetscInt  dim   = known.dim;
   const PetscBool apic  = (PetscBool)(at->transfer->type == MPM_TRANSFER_APIC);
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
   PetscInt        first[MPM_MAX_DIM];
