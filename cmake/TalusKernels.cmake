@@ -1,23 +1,34 @@
 # How constitutive laws and physics are compiled, in the tree and outside of it.
 
-# The instances of a kernel, dimension:name:form. Here and nowhere else. The name is the number of derivative directions; physics are
-# not compiled in the form SENSITIVITY.
+# The instances of a kernel, kinematics:name:form. Here and nowhere else. The name is the number of derivative directions; physics
+# are not compiled in the form SENSITIVITY. Numbers of the kinematics are those of MpmKinematics.
 set(TALUS_INSTANCES
-  2:0:RESIDUAL 2:1:DIRECTION 2:4:TANGENT 2:sensitivity:SENSITIVITY
-  3:0:RESIDUAL 3:1:DIRECTION 3:9:TANGENT 3:sensitivity:SENSITIVITY)
+  2d:0:RESIDUAL 2d:1:DIRECTION 2d:4:TANGENT 2d:sensitivity:SENSITIVITY
+  3d:0:RESIDUAL 3d:1:DIRECTION 3d:9:TANGENT 3d:sensitivity:SENSITIVITY
+  axial:0:RESIDUAL axial:1:DIRECTION axial:5:TANGENT axial:sensitivity:SENSITIVITY)
+set(TALUS_NUMBER_2d 2)
+set(TALUS_NUMBER_3d 3)
+set(TALUS_NUMBER_axial 4)
 
 # Takes an instance apart, with the definitions that it is compiled with.
-function(talus_instance instance dim name form definitions)
+function(talus_instance instance kind name form definitions)
   string(REPLACE ":" ";" parts ${instance})
-  list(GET parts 0 the_dim)
+  list(GET parts 0 the_kind)
   list(GET parts 1 the_name)
   list(GET parts 2 the_form)
-  if(the_form STREQUAL SENSITIVITY)
-    set(${definitions} MPM_DIRECTIONS=1 MPM_SENSITIVITY PARENT_SCOPE)
-  else()
-    set(${definitions} MPM_DIRECTIONS=${the_name} PARENT_SCOPE)
+  set(list MPM_DIM=2)
+  if(the_kind STREQUAL 3d)
+    set(list MPM_DIM=3)
+  elseif(the_kind STREQUAL axial)
+    list(APPEND list MPM_AXISYMMETRIC)
   endif()
-  set(${dim} ${the_dim} PARENT_SCOPE)
+  if(the_form STREQUAL SENSITIVITY)
+    list(APPEND list MPM_DIRECTIONS=1 MPM_SENSITIVITY)
+  else()
+    list(APPEND list MPM_DIRECTIONS=${the_name})
+  endif()
+  set(${definitions} ${list} PARENT_SCOPE)
+  set(${kind} ${the_kind} PARENT_SCOPE)
   set(${name} ${the_name} PARENT_SCOPE)
   set(${form} ${the_form} PARENT_SCOPE)
 endfunction()
@@ -28,7 +39,8 @@ endfunction()
 #   LAWS        files NAME.c with MPM_LAW(NAME, ...), as in materials/: the law NAME
 #   PHYSICS     files NAME.c with MPM_KERNEL(NAME, ...) or MPM_KERNEL_MEAN(NAME, ...), and MPM_PHYSICS(NAME, ...), as in
 #               physics/: the physics NAME
-#   DIRECTIONS  of the physics' kernel, as many as it has inputs, in 2D and in 3D; without it dim^2, those of dF
+#   DIRECTIONS  of the physics' kernel, as many as it has inputs, in plane strain and in 3D (with axial symmetry one more than
+#               in plane strain); without it the components of dF
 #   SOURCES     other files
 function(talus_add_plugin name)
   cmake_parse_arguments(PARSE_ARGV 1 plugin "" "" "LAWS;PHYSICS;DIRECTIONS;SOURCES")
@@ -37,7 +49,9 @@ function(talus_add_plugin name)
   if(plugin_DIRECTIONS)
     list(GET plugin_DIRECTIONS 0 in_2d)
     list(GET plugin_DIRECTIONS 1 in_3d)
-    set(physics_instances 2:0:RESIDUAL 2:1:DIRECTION 2:${in_2d}:TANGENT 3:0:RESIDUAL 3:1:DIRECTION 3:${in_3d}:TANGENT)
+    math(EXPR in_axial "${in_2d} + 1")
+    set(physics_instances 2d:0:RESIDUAL 2d:1:DIRECTION 2d:${in_2d}:TANGENT 3d:0:RESIDUAL 3d:1:DIRECTION 3d:${in_3d}:TANGENT
+      axial:0:RESIDUAL axial:1:DIRECTION axial:${in_axial}:TANGENT)
   endif()
   set(TALUS_DECLARATIONS "")
   set(TALUS_LAWS "")
@@ -53,17 +67,17 @@ function(talus_add_plugin name)
       string(APPEND TALUS_PHYSICS "  memset(&physics, 0, sizeof(physics));\n  MpmPhysicsDescribe_${kernel}(&physics);\n")
     endif()
     foreach(instance ${instances})
-      talus_instance(${instance} dim count form definitions)
-      set(suffix ${kernel}_${dim}d_${count})
+      talus_instance(${instance} kind count form definitions)
+      set(suffix ${kernel}_${kind}_${count})
       if(file IN_LIST plugin_LAWS)
         string(APPEND TALUS_DECLARATIONS "void MpmMaterialCreate_${suffix}(MpmLawInfo *info);\n")
-        string(APPEND TALUS_LAWS "    {\"${kernel}\", ${dim}, MPM_FORM_${form}, MpmMaterialCreate_${suffix}},\n")
+        string(APPEND TALUS_LAWS "    {\"${kernel}\", ${TALUS_NUMBER_${kind}}, MPM_FORM_${form}, MpmMaterialCreate_${suffix}},\n")
       else()
         string(APPEND TALUS_DECLARATIONS "void MpmKernelCreate_${suffix}(MpmKernelSet *set);\n")
-        string(APPEND TALUS_PHYSICS "  MpmKernelCreate_${suffix}(&physics.kernels[${dim}]);\n")
+        string(APPEND TALUS_PHYSICS "  MpmKernelCreate_${suffix}(&physics.kernels[${TALUS_NUMBER_${kind}}]);\n")
       endif()
       add_library(${name}_${suffix} OBJECT ${file})
-      target_compile_definitions(${name}_${suffix} PRIVATE MPM_DIM=${dim} ${definitions})
+      target_compile_definitions(${name}_${suffix} PRIVATE ${definitions})
       target_compile_options(${name}_${suffix} PRIVATE ${TALUS_KERNEL_OPTIONS})
       target_link_libraries(${name}_${suffix} PRIVATE Talus::headers)
       set_target_properties(${name}_${suffix} PROPERTIES POSITION_INDEPENDENT_CODE ON C_VISIBILITY_PRESET hidden

@@ -80,14 +80,7 @@ MPM_FN int TrialStress(Lame lame, const Tensor *dF, const Real *sigma_n, Real cl
   if (ElasticLogStrain(&b, &e)) return 1;
   minus = SymScaleBy(-1., &e);
   if (SymExp(&minus, &inverse)) return 1;
-  for (int i = 0; i < MPM_DIM; ++i) {
-    for (int j = 0; j < MPM_DIM; ++j) {
-      Scalar sum = ScalarMul(inverse.a[SymIndex(i, 0)], dF->a[j]);
-
-      for (int k = 1; k < MPM_DIM; ++k) ScalarAddProduct(&sum, &inverse.a[SymIndex(i, k)], &dF->a[k * MPM_DIM + j]);
-      R.a[i * MPM_DIM + j] = sum;
-    }
-  }
+  R = TensorSymMul(&inverse, dF);
   Close(closing, &e, opening);
   turned  = SymPush(&R, sigma_n);
   elastic = ElasticStress(lame, &e);
@@ -203,14 +196,14 @@ static double MpmMaterialStiffness_jaumann_elastic(const double *parameter, cons
       if (j != i) sum += fabs(state[STATE_SIGMA + SymIndex(i, j)]);
     largest = fmax(largest, sum);
   }
-  return (F ? MpmDeterminant(MPM_DIM, F) : 1.) * (ElasticStiffness(parameter, table, state, F) + largest);
+  return (F ? MpmDeterminant(MPM_TENSOR, F) : 1.) * (ElasticStiffness(parameter, table, state, F) + largest);
 }
 
 /* J mu */
 static double MpmMaterialShearModulus_jaumann_elastic(const double *parameter, const MpmLawTable *table,
                                                       const double *state, const double *F)
 {
-  return (F ? MpmDeterminant(MPM_DIM, F) : 1.) * ElasticShearModulus(parameter, table, state, F);
+  return (F ? MpmDeterminant(MPM_TENSOR, F) : 1.) * ElasticShearModulus(parameter, table, state, F);
 }
 
 /* The stress is the history. */

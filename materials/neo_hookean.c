@@ -75,7 +75,7 @@ static double MpmMaterialStiffness_neo_hookean(const double *parameter, const Mp
                                                const double *F)
 {
   const Lame   lame = LameFromValues(parameter);
-  const double J = F ? MpmDeterminant(MPM_DIM, F) : 1., lambda = RealValue(lame.lambda), mu = RealValue(lame.mu);
+  const double J = F ? MpmDeterminant(MPM_TENSOR, F) : 1., lambda = RealValue(lame.lambda), mu = RealValue(lame.mu);
   const double volume  = parameter[VOLUMETRIC] > 0.5 ? J * J : 1.;
   double       largest = 1.;
 
@@ -91,6 +91,9 @@ static double MpmMaterialStiffness_neo_hookean(const double *parameter, const Mp
     }
     largest = fmax(largest, sum);
   }
+#if defined(MPM_HOOP)
+  if (F) largest = fmax(largest, F[MPM_HOOP] * F[MPM_HOOP]);
+#endif
   if (parameter[SHEAR] > 0.5) return volume * (lambda + 2. / 3. * mu) + 4. / 3. * largest * mu / pow(J, 2. / 3.);
   return volume * lambda + 2. * largest * mu;
 }
@@ -99,12 +102,12 @@ static double MpmMaterialStiffness_neo_hookean(const double *parameter, const Mp
 static double MpmMaterialShearModulus_neo_hookean(const double *parameter, const MpmLawTable *table,
                                                   const double *state, const double *F)
 {
-  double mean = MPM_DIM == 2 ? 1. / 3. : 0.;
+  double mean = MPM_NORMALS == 2 ? 1. / 3. : 0.;
 
   (void)table, (void)state;
   if (!F) return RealValue(LameFromValues(parameter).mu);
-  for (int i = 0; i < MPM_DIM * MPM_DIM; i++) mean += F[i] * F[i] / 3.;
-  if (parameter[SHEAR] > 0.5) mean /= pow(MpmDeterminant(MPM_DIM, F), 2. / 3.);
+  for (int i = 0; i < MPM_TENSOR; i++) mean += F[i] * F[i] / 3.;
+  if (parameter[SHEAR] > 0.5) mean /= pow(MpmDeterminant(MPM_TENSOR, F), 2. / 3.);
   return mean * RealValue(LameFromValues(parameter).mu);
 }
 
@@ -113,12 +116,12 @@ static double MpmMaterialEnergy_neo_hookean(const double *parameter, const MpmLa
                                             const double *F)
 {
   const Lame   lame = LameFromValues(parameter);
-  const double J = MpmDeterminant(MPM_DIM, F), lambda = RealValue(lame.lambda), mu = RealValue(lame.mu), ln = log(J);
+  const double J = MpmDeterminant(MPM_TENSOR, F), lambda = RealValue(lame.lambda), mu = RealValue(lame.mu), ln = log(J);
   const double U     = parameter[VOLUMETRIC] > 0.5 ? 0.25 * (J * J - 1. - 2. * ln) : 0.5 * ln * ln;
-  double       trace = MPM_DIM == 2 ? 1. : 0.; /* of b */
+  double       trace = MPM_NORMALS == 2 ? 1. : 0.; /* of b */
 
   (void)table, (void)tau;
-  for (int i = 0; i < MPM_DIM * MPM_DIM; i++) trace += F[i] * F[i];
+  for (int i = 0; i < MPM_TENSOR; i++) trace += F[i] * F[i];
   if (parameter[SHEAR] > 0.5) return 0.5 * mu * (trace / pow(J, 2. / 3.) - 3.) + (lambda + 2. / 3. * mu) * U;
   return 0.5 * mu * (trace - 3. - 2. * ln) + lambda * U;
 }

@@ -131,7 +131,7 @@ static double MpmMaterialStiffness_newtonian(const double *parameter, const MpmL
   const double held = base > 0. ? fmin(ratio, pow(base, -1. / gamma)) : ratio, p = K / gamma * (pow(held, -gamma) - 1.);
 
   (void)table;
-  return (F ? MpmDeterminant(MPM_DIM, F) : 1.) * held / ratio * (K + gamma * p + fmax(0., -p));
+  return (F ? MpmDeterminant(MPM_TENSOR, F) : 1.) * held / ratio * (K + gamma * p + fmax(0., -p));
 }
 
 /* (4/3) mu */

@@ -81,10 +81,10 @@ MPM_FN int MpmMaterialEvaluate_ogden(const MpmLawPoint *point, const Tensor *dF,
 /* Squares of the principal stretches of F, largest first */
 static void SquaredStretches(const double *F, double w[3])
 {
-  Real values[MPM_DIM * MPM_DIM];
+  Real values[MPM_TENSOR];
   Sym  b;
 
-  for (int i = 0; i < MPM_DIM * MPM_DIM; i++) values[i] = F[i];
+  for (int i = 0; i < MPM_TENSOR; i++) values[i] = F[i];
   {
     const Tensor tensor = TensorFromArray(values);
 
@@ -103,7 +103,7 @@ static double MpmMaterialStiffness_ogden(const double *parameter, const MpmLawTa
   const MpmLawPoint point = {.table = table};
   const double      mu = RealValue(ShearModulus(&point)), *row = table[TERMS].value;
   const double      bulk      = RealValue(BulkModulus(parameter[BULK_MODULUS], parameter[NU], mu));
-  const double      J         = F ? MpmDeterminant(MPM_DIM, F) : 1.;
+  const double      J         = F ? MpmDeterminant(MPM_TENSOR, F) : 1.;
   double            stiffness = bulk * J * J, w[3] = {1., 1., 1.};
 
   (void)state;
@@ -162,7 +162,7 @@ static double MpmMaterialEnergy_ogden(const double *parameter, const MpmLawTable
 {
   const MpmLawPoint point = {.table = table};
   const double      bulk  = RealValue(BulkModulus(parameter[BULK_MODULUS], parameter[NU], ShearModulus(&point)));
-  const double      J = MpmDeterminant(MPM_DIM, F), *row = table[TERMS].value;
+  const double      J = MpmDeterminant(MPM_TENSOR, F), *row = table[TERMS].value;
   double            energy = 0.25 * bulk * (J * J - 1. - 2. * log(J)), w[3];
 
   (void)tau;

@@ -5,12 +5,12 @@
 */
 #include "solid.h"
 
-#define GRADIENTS (MPM_DIM * MPM_DIM)
+#define GRADIENTS MPM_TENSOR
 
 /* Shear strain below which its direction is not told, so that g is smooth where there is none */
 #define LEAST_SHEAR 1e-8
 
-#if MPM_DIM == 2
+#if MPM_NORMALS == 2
 /*
   g and its derivatives, from b_n in the plane, dF and J = det dF with its derivatives. With r the radius of Mohr's
   circle of b = dF b_n dF^T, sinh(gamma) = r/sqrt(det b), cosh(gamma) = tr b/(2 sqrt(det b)), and
@@ -49,7 +49,7 @@ MPM_FN Scalar ShearGrowth(const double b[3], const Tensor *dF, const Tensor *cof
 MPM_FN double Dilatancy(const MpmKernelPoint *point, const Tensor *dF, const Tensor *cofactor, Scalar J, Scalar *g,
                         Tensor *dg)
 {
-#if MPM_DIM == 2
+#if MPM_NORMALS == 2
   double b[3], beta;
 
   if (!point->dilatancy) return 0.;
@@ -70,17 +70,12 @@ MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *d
   double beta;
 
   if (point->traits & MPM_LAW_SMALL_STRAIN) {
-    Scalar m = ScalarConstant(1.);
+    const Tensor F_n = TensorFromArray(point->F_n);
+    Tensor       g   = *dF;
 
-    for (int a = 0; a < MPM_DIM; a++) {
-      for (int b = 0; b < MPM_DIM; b++) {
-        const Scalar g = ScalarShift(dF->a[a * MPM_DIM + b], a == b ? -1. : 0.);
-
-        ScalarAddScaled(&m, point->F_n[b * MPM_DIM + a], &g);
-        dm->a[a * MPM_DIM + b] = ScalarConstant(point->F_n[b * MPM_DIM + a]);
-      }
-    }
-    return m;
+    for (int a = 0; a < MPM_NORMALS; a++) g.a[MPM_NORMAL_AT(a)] = ScalarShift(g.a[MPM_NORMAL_AT(a)], -1.);
+    *dm = TensorTranspose(&F_n);
+    return ScalarShift(TensorTraceMulArray(&g, point->F_n), 1.);
   }
   *dm  = TensorCofactor(dF);
   J    = TensorCofactorDet(dF, dm);
@@ -110,11 +105,11 @@ MPM_FN Tensor Dilation(const MpmKernelPoint *point, const Tensor *dF)
 MPM_FN Tensor MeanIncrement(const MpmKernelPoint *point, const Tensor *dF, Scalar ratio)
 {
   if (point->traits & MPM_LAW_SMALL_STRAIN) {
-    const Tensor E = Dilation(point, dF), shift = TensorScale(ScalarScale(1. / MPM_DIM, ratio), &E);
+    const Tensor E = Dilation(point, dF), shift = TensorScale(ScalarScale(1. / MPM_NORMALS, ratio), &E);
 
     return TensorAdd(dF, &shift);
   }
-  return TensorScale(MPM_DIM == 2 ? ScalarSqrt(ratio) : ScalarPow(ratio, 1. / MPM_DIM), dF);
+  return TensorScale(MPM_NORMALS == 2 ? ScalarSqrt(ratio) : ScalarPow(ratio, 1. / MPM_NORMALS), dF);
 }
 
 /* Adds V_0 (tr tau/d) beta dg to the fluxes. */
@@ -160,7 +155,7 @@ MPM_FN void FbarFlux(const MpmKernelPoint *point, const Sym *tau, const Tensor *
   Scalar pressure = ScalarConstant(0.); /* tr tau/d */
   Sym    rest;
 
-  for (int a = 0; a < MPM_DIM; a++) ScalarAddScaled(&pressure, 1. / MPM_DIM, &tau->a[SymIndex(a, a)]);
+  for (int a = 0; a < MPM_NORMALS; a++) ScalarAddScaled(&pressure, 1. / MPM_NORMALS, &tau->a[a]);
   rest = SymShift(tau, ScalarNeg(pressure));
   SolidFlux(point, &rest, dF, flux);
   if (point->dilatancy) AddShearFlux(point, dF, pressure, flux);

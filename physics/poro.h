@@ -24,7 +24,7 @@ enum { PORO_STATE_POROSITY, PORO_STATE_FLUX, PORO_STATES = PORO_STATE_FLUX + MPM
 
 /* Inputs */
 enum {
-  PORO_GRADIENTS = MPM_DIM * MPM_DIM,
+  PORO_GRADIENTS = MPM_TENSOR,
   PORO_P         = PORO_GRADIENTS,
   PORO_GRAD_P,
   PORO_DEVIATION = PORO_GRAD_P + MPM_DIM,
@@ -37,19 +37,15 @@ MPM_FN double PoroVolume(const MpmKernelPoint *point, const double *F)
   double trace = 1.;
 
   if (!(point->traits & MPM_LAW_SMALL_STRAIN)) return ArrayDetValue(F);
-  for (int a = 0; a < MPM_DIM; a++) trace += F[a * MPM_DIM + a] - 1.;
+  for (int a = 0; a < MPM_NORMALS; a++) trace += F[MPM_NORMAL_AT(a)] - 1.;
   return trace;
 }
 
 /* The volume ratio of F_{n+1} = dF F_n, with its derivatives. */
 MPM_FN Scalar PoroNewVolume(const MpmKernelPoint *point, const Tensor *dF)
 {
-  Scalar sum = ScalarConstant(1. - MPM_DIM);
-
   if (!(point->traits & MPM_LAW_SMALL_STRAIN)) return ScalarScale(ArrayDetValue(point->F_n), TensorDetByCofactors(dF));
-  for (int a = 0; a < MPM_DIM; a++)
-    for (int b = 0; b < MPM_DIM; b++) ScalarAddScaled(&sum, point->F_n[b * MPM_DIM + a], &dF->a[a * MPM_DIM + b]);
-  return sum;
+  return ScalarShift(TensorTraceMulArray(dF, point->F_n), 1. - MPM_NORMALS);
 }
 
 /* tau' - J p I, or sigma' - p I at small strain */
@@ -248,9 +244,9 @@ MPM_FN void PoroTangent(const MpmKernelPoint *point, const Scalar input[], Scala
   }
   TensorStore(values, &dF);
   if (small) {
-    for (int k = 0; k < PORO_GRADIENTS; k++) map[k] = point->F_n[k % MPM_DIM * MPM_DIM + k / MPM_DIM];
+    for (int k = 0; k < MPM_DIM * MPM_DIM; k++) map[k] = point->F_n[k % MPM_DIM * MPM_DIM + k / MPM_DIM];
   } else {
-    outer *= ArrayDetValue(point->F_n) / MpmCofactors(MPM_DIM, values, map);
+    outer *= ArrayDetValue(point->F_n) / MpmCofactors(MPM_TENSOR, values, map);
   }
   PoroPermeabilityFactor(point, grains, ScalarConstant(ScalarValue(J)), &factor);
   outer *= ScalarValue(factor);

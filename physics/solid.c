@@ -30,7 +30,7 @@ static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar
   return 0;
 }
 
-MPM_KERNEL(solid, MPM_DIM *MPM_DIM, SolidKernel)
+MPM_KERNEL(solid, MPM_TENSOR, SolidKernel)
 
 #ifdef MPM_PHYSICS
 MPM_PHYSICS(solid, .summary = "quasi-static solid at finite strain", .field_count = MPM_ROWS(solid_fields),

@@ -9,7 +9,7 @@ MPM_FN int SolidStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 {
   if (!point->stress_n) return LawStress(point, dF, tau);
   *tau = SymLoad(point->stress_n);
-  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) *tau = SymScaleBy(MpmDeterminant(MPM_DIM, point->F_n), tau);
+  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) *tau = SymScaleBy(MpmDeterminant(MPM_TENSOR, point->F_n), tau);
   return 0;
 }
 
@@ -25,10 +25,13 @@ MPM_FN void SolidFlux(const MpmKernelPoint *point, const Sym *tau, const Tensor 
         flux[a * MPM_DIM + b] = ScalarScale(point->volume0, sum);
       }
     }
+#if defined(MPM_HOOP)
+    flux[MPM_HOOP] = ScalarScale(point->volume0 * point->F_n[MPM_HOOP], tau->a[2]);
+#endif
   } else {
     const Tensor P = SymTimesInverseTranspose(tau, dF, point->volume0);
 
-    for (int k = 0; k < MPM_DIM * MPM_DIM; k++) flux[k] = P.a[k];
+    for (int k = 0; k < MPM_TENSOR; k++) flux[k] = P.a[k];
   }
 }
 

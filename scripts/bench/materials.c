@@ -185,7 +185,7 @@ static void Inverse(PetscInt dim, const double *increment, double *back)
   double dF[9] = {0.}, cofactor[9], det;
 
   for (PetscInt i = 0; i < dim * dim; i++) dF[i] = increment[i] + (i % (dim + 1) == 0);
-  det = MpmCofactors(dim, dF, cofactor);
+  det = MpmCofactors(dim * dim, dF, cofactor);
   for (PetscInt i = 0; i < dim; i++)
     for (PetscInt j = 0; j < dim; j++) back[i * dim + j] = cofactor[j * dim + i] / det - (i == j);
 }

@@ -19,6 +19,7 @@
 /* Basis functions of one shape: weights, then derivatives, then weights less their means. */
 #define MPM_BASES          (MPM_MAX_DIM + 2)
 #define MPM_DEVIATION(dim) ((dim) + 1)
+#define MPM_HOOP_BASIS     (MPM_BASES - 1) /* weights over the radius, with axial symmetry */
 
 /*
   Ends the run with one line: the message names the option, its value and what is accepted. The condition must be the

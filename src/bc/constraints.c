@@ -254,6 +254,20 @@ static PetscReal Unit(MpmScale scale, PetscReal stiffness, PetscReal h, PetscInt
   return PetscPowReal(2., PetscFloorReal(PetscLog2Real(K / h) + 0.5));
 }
 
+/* On the axis of symmetry nothing moves along the radius. */
+static void HoldAxis(MpmConstraints *constraints, const MpmGrid *grid, const MpmSpace *space)
+{
+  for (PetscInt i = 0; grid->axial && grid->lower[0] == 0. && i < space->local; i++) {
+    const PetscInt unknown = i * constraints->block;
+
+    if (space->node[i * grid->dim] || MpmSpaceIsExtra(space, i) || MpmConstraintsFrame(constraints, i)) continue;
+    if (!MpmConstraintsFree(constraints, unknown)) continue;
+    constraints->condition[unknown] = MPM_HELD;
+    constraints->value[unknown]     = 0.;
+    constraints->any                = PETSC_TRUE;
+  }
+}
+
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,
                                    const MpmLayout *layout, const MpmSpace *space, PetscInt *contradicts)
 {
@@ -268,7 +282,7 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
   constraints->block    = bs;
   constraints->diagonal = step->diagonal;
   for (PetscInt c = 0; c < bs; c++) {
-    constraints->unit[c] = Unit(layout->scale[c], step->diagonal, grid->h[0], grid->dim);
+    constraints->unit[c] = Unit(layout->scale[c], step->diagonal / MpmGridTurn(grid, grid->upper[0]), grid->h[0], grid->dim);
     if (constraints->unit[c] != 1.) constraints->scaled = PETSC_TRUE;
   }
   PetscCall(PetscMalloc1((space->local * bs), &constraints->condition));
@@ -283,6 +297,7 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
     MpmBodyMotionsTouch(step->motions, &step->acting[step->conditions->count], grid, space, step->particles, &marks));
   if (inclined) PetscCall(SetUpFrames(constraints, step, marks, grid, space, contradicts));
   if (marks) PrescribeMotions(constraints, step, marks, space, contradicts);
+  HoldAxis(constraints, grid, space);
   LeaveOutUnsupported(constraints, layout, space);
   LeaveOutUnused(constraints, bs, space);
   MpmUnitsOver(constraints, space->local * bs, constraints->value);

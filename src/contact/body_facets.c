@@ -63,7 +63,7 @@ static void SetSurface(PetscInt dim, const MpmBodies *bodies, const MpmPoints *p
     for (PetscInt a = 0; a < dim; a++) facet->place[a] += excess * facet->look[a];
   }
   if (!(along > 0. && depth < 2. * SLACK * along * points->half_length[p * dim + face / 2])) return;
-  stretch       = MpmOuterNormal(dim, &points->F[p * dim * dim], N, facet->look);
+  stretch       = MpmOuterNormal(dim, MpmPointF(points, p), N, facet->look);
   facet->placed = 1;
   for (PetscInt a = 0; a < dim; a++) {
     facet->seen += facet->area[a] * facet->look[a];
@@ -83,12 +83,13 @@ static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *r
   PetscReal          arm[MPM_MAX_DIM];
   MpmPairFacet       made = {.part = points->part[p], .id = points->id[p], .face = face, .point = p};
 
-  MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, made.area);
+  MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], face / 2, face % 2, arm, made.area);
   MpmGridFindCell(rules->grid, &points->x[p * dim], cell);
   for (PetscInt a = 0; a < dim; a++) {
     made.place[a] = facet.place[a] = points->x[p * dim + a] + arm[a];
     made.cell[a]                   = (PetscReal)cell[a];
   }
+  for (PetscInt a = 0; a < dim; a++) made.area[a] *= MpmTurn(points->F_size, made.place[0]);
   SetSurface(dim, contacts->bodies, points, p, face, arm, &made);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     made.first[a] = nodes->first[a];
@@ -135,7 +136,7 @@ static PetscErrorCode FindExtents(const MpmPairContacts *contacts, const MpmGrid
   {
     PetscReal *least = &extents->least[2 * dim * points->part[p]], arm[MPM_MAX_DIM], area[MPM_MAX_DIM], square = 0.;
 
-    MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+    MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal place = points->x[p * dim + a] + arm[a];
 

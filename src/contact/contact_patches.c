@@ -200,7 +200,7 @@ static PetscBool TouchedAtStart(const MpmContacts *contacts, PetscInt b, const M
   MpmBoundaryDistance(boundary, &still, at, &surface);
   aligned  = Aligned(surface.normal, face);
   *touches = surface.distance;
-  if (!aligned) *touches *= MpmOuterNormal(dim, &points->F[p * dim * dim], surface.normal, unused);
+  if (!aligned) *touches *= MpmOuterNormal(dim, MpmPointF(points, p), surface.normal, unused);
   if (surface.distance <= 0.) return PETSC_TRUE;
   if (aligned) {
     const MpmBody body = surface.distance > HAIR * half && surface.distance < 2. * half
@@ -371,7 +371,7 @@ static PetscErrorCode FacetsOfPoint(MpmContacts *contacts, PetscInt b, PetscReal
       PetscCall(MpmContactsAddRound(contacts, margin, points, face, start));
       continue;
     }
-    MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+    MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
     MpmContactsStartDistance(contacts, area, &facet, &surface);
     for (PetscInt a = 0; a < dim; a++) {
@@ -426,7 +426,7 @@ static PetscErrorCode FindDrawn(MpmContacts *contacts, PetscInt b, const MpmGrid
         !MpmRegionContains(contacts->boundaries[b].region, &points->origin[p * dim]) ||
         !TouchedAtStart(contacts, b, points, p, face, &arm[0]))
       continue;
-    MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+    MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) square += PetscSqr(area[a]);
     for (PetscInt a = 0; a < dim; a++) start *= a == face / 2 ? 1. : 2. * points->half_length[p * dim + a];
     drawn = (PetscBool)(PetscSqrtReal(square) > DRAWN * start || PetscSqrtReal(square) < start / DRAWN);
@@ -524,6 +524,8 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
 
   PetscFunctionBeginUser;
   for (PetscInt a = 1; a < space->dim; a++) unit = PetscMax(unit, 1. / rules->grid->h[a]);
+  for (PetscInt k = 0; k < contacts->facet_count; k++)
+    contacts->facet[k].area *= MpmTurn(points->F_size, contacts->facet[k].place[0]);
   qsort(contacts->facet, (size_t)contacts->facet_count, sizeof(MpmFacet), CompareFacets);
   PetscCall(PetscRealloc((size_t)contacts->facet_count * sizeof(MpmPatch), &contacts->patch));
   for (PetscInt k = 0; k < contacts->facet_count; k++) {

@@ -57,7 +57,7 @@ static inline PetscInt NextWithFace(const PetscInt faces[], PetscInt begin, Pets
 /* Widens a box to hold point p. */
 MPM_INLINE void Include(const PetscInt dim, const MpmPoints *points, PetscInt p, MpmFaceBox *box)
 {
-  const PetscReal *x = &points->x[p * dim], *F = &points->F[p * dim * dim], *half = &points->half_length[p * dim];
+  const PetscReal *x = &points->x[p * dim], *F = MpmPointF(points, p), *half = &points->half_length[p * dim];
   PetscReal        longest = half[0], square = PetscSqr(F[0]);
 
   for (PetscInt k = 1; k < dim * dim; k++) square += PetscSqr(F[k]);
@@ -133,7 +133,8 @@ MPM_INLINE void BoxOfAll(const PetscInt dim, const MpmPoints *points, PetscInt b
 
   Most(dim, 16, VALUE, count, x, box->upper);
   Most(dim, 16, OPPOSITE, count, x, opposite);
-  Most(dim * dim, dim == 2 ? 8 : 4, SQUARE, count, &points->F[begin * dim * dim], square);
+  if (points->F_size > dim * dim) Most(5, 4, SQUARE, count, MpmPointF(points, begin), square);
+  else Most(dim * dim, dim == 2 ? 8 : 4, SQUARE, count, MpmPointF(points, begin), square);
   Most(1, 32, VALUE, count * dim, &points->half_length[begin * dim], &longest);
   box->square = 0.;
   for (PetscInt a = 0; a < dim; a++) box->lower[a] = -opposite[a];

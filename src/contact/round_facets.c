@@ -73,7 +73,7 @@ static void PlaceSite(MpmRegion region, const MpmPoints *points, PetscInt dim, P
                       Site *site)
 {
   const PetscInt   p = facet->point;
-  const PetscReal *F = &points->F[p * dim * dim], *half = &points->half_length[p * dim];
+  const PetscReal *F = MpmPointF(points, p), *half = &points->half_length[p * dim];
   PetscReal        arm[MPM_MAX_DIM], area[MPM_MAX_DIM], N[MPM_MAX_DIM], seen = 0., share = 1.;
 
   MpmOuterFace(dim, F, half, face / 2, face % 2, arm, area);

@@ -186,7 +186,8 @@ static PetscReal SampleArea(const Shares *shares, const PetscReal x[], const Pet
     if (!(y[a] >= shares->grid->lower[a] && y[a] <= shares->grid->upper[a])) return 0.;
     for (PetscInt c = 0; c < dim; c++) M[a * dim + c] = (a == c ? 1. : 0.) - surface.distance * surface.second[a][c];
   }
-  return PetscMax(MpmDeterminant(dim, M), 0.) * area * (1. + cos(PETSC_PI * surface.distance / width)) / (2. * width);
+  return PetscMax(MpmDeterminant(dim * dim, M), 0.) * area * (1. + cos(PETSC_PI * surface.distance / width)) /
+         (2. * width);
 }
 
 /* Adds the samples of a cell to the shares of the points. */

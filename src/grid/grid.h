@@ -15,6 +15,7 @@ typedef struct MpmGrid {
   MPI_Comm    comm;
   PetscMPIInt rank, size;
   PetscInt    dim;
+  PetscBool   axial; /* x is the radius, y the axis */
   PetscReal   lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], h[MPM_MAX_DIM];
   PetscInt    cells[MPM_MAX_DIM];                                                       /* 1 on unused axes */
   PetscInt    nodes[MPM_MAX_DIM];                                                       /* 1 on unused axes */
@@ -25,6 +26,16 @@ typedef struct MpmGrid {
   MpmSplit   *splits;  /* size - 1 of them; NULL before the first partition */
 } MpmGrid;
 
+/* Components of a deformation gradient (MpmKinematicsF()). */
+static inline PetscInt MpmGridF(const MpmGrid *grid)
+{
+  return grid->axial ? 5 : grid->dim * grid->dim;
+}
+/* How much of space a unit of the plane at radius r stands for: the circumference, m; 1 without axial symmetry. */
+static inline PetscReal MpmGridTurn(const MpmGrid *grid, PetscReal r)
+{
+  return grid->axial ? 2. * PETSC_PI * r : 1.;
+}
 PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, PetscInt dim);
 PetscErrorCode MpmGridDestroy(MpmGrid *grid);
 /* Puts the lattice elsewhere: the same cells, of other size; `lower` below `upper` on each axis. */

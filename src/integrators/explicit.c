@@ -273,7 +273,7 @@ static PetscReal LeastMass(const MpmModel model, PetscReal part)
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     least = PetscMin(least, part * model->scene.materials->at[m].density);
   for (PetscInt a = 0; a < model->disc.dim; a++) least *= model->disc.grid->h[a];
-  return least;
+  return least * MpmGridTurn(model->disc.grid, model->disc.grid->lower[0] + 0.5 * model->disc.grid->h[0]);
 }
 
 static PetscBool IsLinear(const MpmModel model)

@@ -29,13 +29,13 @@ MPM_INLINE PetscReal Crossing(const PetscInt dim, const MpmModel model, const Mp
 
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &sum->materials[points->material[p]];
-    const PetscReal *state = points->state ? &points->state[p * sum->state_size] : NULL, *F = &points->F[p * dim * dim];
-    const double    *own     = MpmPointOwn(points, material, p);
-    const PetscReal  density = own ? MpmMaterialDensity(material, own) : material->density;
-    const PetscReal  c       = MpmWaveSpeed(dim, MpmMaterialStiffnessAt(material, own, state, F), density,
-                                            MpmDeterminant(dim, F), &points->stress[p * MpmSymSize(dim)]);
-    const PetscReal  eta     = material->info.viscosity ? MpmMaterialViscosity(material, own) : 0.;
-    const PetscReal  nu      = eta > 0. ? eta * MpmPointVolumeRatio(material, dim, F) / density : 0.;
+    const PetscReal   *state = points->state ? &points->state[p * sum->state_size] : NULL, *F = MpmPointF(points, p);
+    const double      *own     = MpmPointOwn(points, material, p);
+    const PetscReal    density = own ? MpmMaterialDensity(material, own) : material->density;
+    const PetscReal    c       = MpmWaveSpeed(dim, MpmMaterialStiffnessAt(material, own, state, F), density,
+                                              MpmPointJ(points, p), &points->stress[p * MpmSymSize(dim)]);
+    const PetscReal    eta     = material->info.viscosity ? MpmMaterialViscosity(material, own) : 0.;
+    const PetscReal    nu      = eta > 0. ? eta * MpmPointVolumeRatio(material, F) / density : 0.;
 
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal speed = c + PetscAbsReal(points->velocity[p * dim + a]);
@@ -93,7 +93,7 @@ static PetscErrorCode FindScaledStep(MpmModel model)
     const PetscReal   *state    = points->state ? &points->state[p * sum->state_size] : NULL;
 
     slowest = PetscMin(slowest, MpmMaterialWaveSpeed(material, MpmPointOwn(points, material, p), dim, state,
-                                                     &points->F[p * dim * dim], &points->stress[p * MpmSymSize(dim)]));
+                                                     MpmPointF(points, p), &points->stress[p * MpmSymSize(dim)]));
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &slowest, 1, MPIU_REAL, MPIU_MIN, model->comm));
   for (PetscInt a = 0; a < dim; a++) h = PetscMin(h, model->disc.grid->h[a]);

@@ -193,6 +193,7 @@ static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPo
     share[p] = 1.;
     for (PetscInt a = 0; a < dim; a++)
       if (a != axis) share[p] *= 2. * points->half_length[p * dim + a];
+    share[p] *= MpmTurn(points->F_size, axis ? points->x[p * dim] : (PetscReal)load->face_side * face);
     area += share[p];
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &area, 1, MPIU_REAL, MPIU_SUM, grid->comm));
@@ -308,7 +309,7 @@ static PetscErrorCode FaceWeights(const MpmLoad *load, const Touched *at, PetscR
   PetscFunctionBeginUser;
   OwnLines(at, line);
   if (domain || load->at_face) {
-    PetscCheck(!at->rules->stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
+    PetscCheck(!at->rules->stretch(MpmPointF(points, p), U), PETSC_COMM_SELF, PETSC_ERR_FP,
                "point %" PetscInt_FMT " has no stretch", points->id[p]);
     xi = (points->x[p * dim + axis] - grid->lower[axis] +
           (PetscReal)load->face_side * points->half_length[p * dim + axis] * U[axis]) /
@@ -447,9 +448,14 @@ PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal tim
 /* The two axes of a stress' fields. */
 static const PetscInt pair[6][2] = {{0, 0}, {1, 1}, {0, 1}, {2, 2}, {1, 2}, {0, 2}};
 
-/* One point, at the nodes of its group; `weight` in N, `volume` in m3. */
-static void AddPoint(const MpmSum *sum, const MpmBasis *basis, const MpmGroup *group, const PetscReal weight[],
-                     const PetscReal stress[], PetscReal volume, PetscReal force[])
+/* Weight of a point, N; its stress, Pa, and volume, m3; 1 over its radius, 1/m, or 0. */
+typedef struct {
+  PetscReal weight[MPM_MAX_DIM], stress[6], volume, hoop;
+} Burden;
+
+/* One point's forces at the nodes of its group. */
+static void AddPoint(const MpmSum *sum, const MpmBasis *basis, const MpmGroup *group, const Burden *burden,
+                     PetscReal force[])
 {
   const PetscInt  dim   = sum->space->dim;
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
@@ -457,13 +463,14 @@ static void AddPoint(const MpmSum *sum, const MpmBasis *basis, const MpmGroup *g
   for (PetscInt i = 0; i < group->node_count; i++) {
     PetscReal *at = &force[nodes[i] * sum->block];
 
-    for (PetscInt a = 0; a < dim; a++) at[a] += weight[a] * basis->basis[0][i];
+    for (PetscInt a = 0; a < dim; a++) at[a] += burden->weight[a] * basis->basis[0][i];
     for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) {
       const PetscInt a = pair[c][0], b = pair[c][1];
 
-      at[a] -= volume * stress[c] * basis->basis[1 + b][i];
-      if (a != b) at[b] -= volume * stress[c] * basis->basis[1 + a][i];
+      at[a] -= burden->volume * burden->stress[c] * basis->basis[1 + b][i];
+      if (a != b) at[b] -= burden->volume * burden->stress[c] * basis->basis[1 + a][i];
     }
+    if (burden->hoop > 0.) at[0] -= burden->volume * burden->stress[3] * burden->hoop * basis->basis[0][i];
   }
 }
 
@@ -473,7 +480,7 @@ PetscErrorCode MpmLoadApplyPoints(const MpmSum *sum, PetscReal part, const Petsc
   const MpmSpace  *space  = sum->space;
   const MpmPoints *points = sum->points;
   const PetscInt   dim = space->dim, most = PetscPowInt(space->width, dim);
-  PetscReal       *storage, weight[MPM_MAX_DIM], value[6];
+  PetscReal       *storage;
   MpmBasis         basis;
 
   PetscFunctionBeginUser;
@@ -483,13 +490,14 @@ PetscErrorCode MpmLoadApplyPoints(const MpmSum *sum, PetscReal part, const Petsc
     const MpmGroup *group = &space->groups[g];
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt p = space->order[s];
+      const PetscInt p      = space->order[s];
+      Burden         burden = {.volume = part * points->volume0[p] * MpmPointJ(points, p),
+                               .hoop   = space->shape[0].hoop ? space->shape[0].hoop[p] : 0.};
 
-      for (PetscInt a = 0; a < dim; a++) weight[a] = part * mass[p] * points->mass[p] * sum->gravity[a];
-      for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) value[c] = stress[c][p];
+      for (PetscInt a = 0; a < dim; a++) burden.weight[a] = part * mass[p] * points->mass[p] * sum->gravity[a];
+      for (PetscInt c = 0; c < (space->shape[0].hoop ? 4 : dim * (dim + 1) / 2); c++) burden.stress[c] = stress[c][p];
       MpmSpaceEvaluate(space, group, p, &basis);
-      AddPoint(sum, &basis, group, weight, value,
-               part * points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]), force);
+      AddPoint(sum, &basis, group, &burden, force);
     }
   }
   PetscCall(PetscFree(storage));

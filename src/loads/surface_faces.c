@@ -161,7 +161,7 @@ static PetscInt FaceHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, cons
   PetscReal      plane, across                       = 0.;
   PetscInt       axis = 0;
 
-  MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+  MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], face / 2, face % 2, arm, area);
   for (PetscInt a = 1; a < dim; a++)
     if (PetscAbsReal(area[a]) > PetscAbsReal(area[axis])) axis = a;
   for (PetscInt a = 0; a < dim; a++) {
@@ -206,7 +206,7 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
                                    const MpmSpace *space, const MpmFacet *start, PetscInt outer, PetscInt *used)
 {
   const PetscInt  dim = space->dim, p = start->point, nodes = space->groups[start->group].node_count;
-  const PetscReal volume = points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
+  const PetscReal volume = points->volume0[p] * MpmPointJ(points, p);
   PetscInt        held   = 0; /* where water passes a surface; it passes once */
 
   PetscFunctionBeginUser;
@@ -219,7 +219,7 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
     if (faces->surfaces->at[surface].boundary >= 0 && (held & bit)) continue;
     part = PartInRegion(&faces->surfaces->at[surface], dim, points, p, face);
     if (!(part > 0.)) continue;
-    MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], face / 2, face % 2, arm, area);
+    MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
     if (!Touches(faces, surface, points, p, facet.place, area)) continue;
     if (faces->bcs && MpmBodySurfaceIsAll(&faces->surfaces->at[surface], dim) &&
@@ -230,6 +230,7 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
     FaceWeights(rules, space, points, &facet, &faces->weight[*used]);
     faces->face[faces->face_count] =
       (MpmSurfaceFace){.surface = surface, .point = p, .group = start->group, .weight = *used};
+    part *= MpmTurn(points->F_size, facet.place[0]);
     for (PetscInt a = 0; a < dim; a++) {
       faces->face[faces->face_count].place[a]    = facet.place[a];
       faces->face[faces->face_count].area[a]     = part * area[a];

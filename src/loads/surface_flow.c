@@ -48,10 +48,10 @@ typedef struct {
 /* The first of the kernel's inputs that are the pressure's gradient. */
 static PetscInt GradientInput(const MpmLayout *layout, PetscInt component)
 {
-  PetscInt k = layout->component_first[component];
+  PetscInt k = layout->by_component.first[component];
 
-  while (layout->basis_of[k] != 1) k++;
-  return k;
+  while (layout->basis_of[layout->by_component.input[k]] != 1) k++;
+  return layout->by_component.input[k];
 }
 
 /* The kernel's inputs at the face's point and the pressure beyond the prescribed one. */
@@ -131,8 +131,11 @@ static PetscReal Change(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face
 
   *excess = c == faces->component ? flow->weight[j] : 0.;
   value   = face->penalty * *excess;
-  for (PetscInt l = layout->component_first[c]; l < layout->component_first[c + 1]; l++)
+  for (PetscInt k = layout->by_component.first[c]; k < layout->by_component.first[c + 1]; k++) {
+    const PetscInt l = layout->by_component.input[k];
+
     value += flow->by_input[l] * flow->work.basis.basis[layout->basis_of[l]][j];
+  }
   return value;
 }
 
@@ -152,7 +155,8 @@ static PetscErrorCode PrepareFace(const MpmSurfaceFaces *faces, const MpmSum *su
   MpmSumPoint(sum, face->point, &point);
   point.deviation_n = none; /* not known yet */
   for (PetscInt r = 0; r < layout->rates; r++)
-    if (layout->rate_component[r] == faces->component && first > layout->component_first[faces->component])
+    if (layout->rate_component[r] == faces->component &&
+        first > layout->by_component.input[layout->by_component.first[faces->component]])
       input[first - 1] = point.value_n[r];
   PetscCheck(!faces->kernel->tangent(&point, input, flux, tangent), PETSC_COMM_SELF, PETSC_ERR_FP,
              "point %" PetscInt_FMT " has no answer at rest", sum->points->id[face->point]);

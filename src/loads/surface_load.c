@@ -35,9 +35,12 @@ static PetscErrorCode WorkCreate(const MpmSum *sum, Work *work)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* gradient[c][d] = sum_i u_i,c grad_d w_i at the face's point, whose basis functions `work` gets. */
-static void Gradient(const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[], Work *work,
-                     PetscReal gradient[3][3])
+/*
+  gradient[c][d] = sum_i u_i,c grad_d w_i at the face's point, whose basis functions `work` gets; and with axial symmetry, in
+  [2][2], the hoop strain of the face.
+*/
+static void Gradient(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[],
+                     Work *work, PetscReal gradient[3][3])
 {
   const MpmGroup *group = &sum->space->groups[face->group];
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset], dim = sum->space->dim;
@@ -50,6 +53,8 @@ static void Gradient(const MpmSurfaceFace *face, const MpmSum *sum, const PetscR
         gradient[c][d] += work->basis.basis[1 + d][i] * u[nodes[i] * sum->block + c];
     }
   }
+  for (PetscInt i = 0; sum->space->shape[0].hoop && i < group->node_count; i++)
+    gradient[2][2] += faces->weight[face->weight + i] / face->place[0] * u[nodes[i] * sum->block];
 }
 
 /* e_ijk */
@@ -58,7 +63,7 @@ static inline PetscReal Permutation(PetscInt i, PetscInt j, PetscInt k)
   return 0.5 * (PetscReal)((i - j) * (j - k) * (k - i));
 }
 
-/* area[i] = cof(F)_ij a_j and its derivative by F; in 2D F_33 = 1. */
+/* area[i] = cof(F)_ij a_j and its derivative by F; in plane strain F_33 = 1. */
 static void Area(const PetscReal gradient[3][3], const PetscReal a[3], PetscReal area[3], PetscReal by[3][3][3])
 {
   PetscReal F[3][3], along[3][3]; /* along[l][q] = e_jlq a_j */
@@ -92,7 +97,7 @@ static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
   const PetscReal       normal  = factor * surface->normal - face->water;
   PetscReal             gradient[3][3], area[3], by[3][3][3], size = 0.;
 
-  Gradient(face, sum, u, work, gradient);
+  Gradient(faces, face, sum, u, work, gradient);
   Area(gradient, face->area, area, by);
   for (PetscInt a = 0; a < 3; a++) size += PetscSqr(area[a]);
   size = PetscSqrtReal(size);
@@ -162,7 +167,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
 
     if (!IsLoaded(faces, &faces->face[f])) continue;
     Evaluate(faces, &faces->face[f], sum, u, &work);
-    Gradient(&faces->face[f], sum, du, &work, change);
+    Gradient(faces, &faces->face[f], sum, du, &work, change);
     for (PetscInt i = 0; i < 3; i++) {
       force[i] = 0.;
       for (PetscInt kl = 0; kl < 9; kl++) force[i] += work.by_gradient[i][kl / 3][kl % 3] * change[kl / 3][kl % 3];
@@ -174,12 +179,16 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
 }
 
 /* The tangent's entry for node i and force c, node j and displacement d. */
-static PetscReal Entry(const Work *work, PetscInt dim, PetscReal weight, PetscInt c, PetscInt d, PetscInt j)
+static PetscReal Entry(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const Work *work,
+                       PetscInt i, PetscInt cd, PetscInt j)
 {
-  PetscReal value = 0.;
+  const PetscInt   dim = sum->space->dim, c = cd / dim, d = cd % dim;
+  const PetscReal *weight = &faces->weight[face->weight];
+  PetscReal        value  = 0.;
 
   for (PetscInt l = 0; l < dim; l++) value += work->by_gradient[c][d][l] * work->basis.basis[1 + l][j];
-  return -weight * value;
+  if (sum->space->shape[0].hoop && !d) value += work->by_gradient[c][2][2] * weight[j] / face->place[0];
+  return -weight[i] * value;
 }
 
 static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
@@ -202,8 +211,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
     Evaluate(faces, face, sum, u, &work);
     for (PetscInt i = 0; i < group->node_count; i++)
       for (PetscInt cd = 0; cd < dim * dim; cd++)
-        blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] +=
-          Entry(&work, dim, faces->weight[face->weight + i], cd / dim, cd % dim, i);
+        blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] += Entry(faces, face, sum, &work, i, cd, i);
   }
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -233,8 +241,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     for (PetscInt i = 0; i < n; i++)
       for (PetscInt cd = 0; cd < dim * dim; cd++)
         for (PetscInt j = 0; j < n; j++)
-          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] =
-            Entry(&work, dim, faces->weight[face->weight + i], cd / dim, cd % dim, j);
+          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] = Entry(faces, face, sum, &work, i, cd, j);
     MpmPatternAddBlock(pattern, sum->space, group, element);
   }
   PetscCall(PetscFree(element));

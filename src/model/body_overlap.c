@@ -101,7 +101,7 @@ static void Domain(const Search *search, MpmStretch stretch, PetscInt p, PetscRe
 {
   const PetscInt   dim  = search->grid->dim;
   const MpmBody    body = search->bodies[search->body_of[p]];
-  const PetscReal *F    = &search->points.F[p * dim * dim];
+  const PetscReal *F    = MpmPointF(&search->points, p);
   PetscReal        U[MPM_MAX_DIM];
 
   if (!MpmBodyIsImported(body)) {
@@ -110,8 +110,7 @@ static void Domain(const Search *search, MpmStretch stretch, PetscInt p, PetscRe
     for (PetscInt a = 0; a < dim; a++) half[a] = U[a] * search->points.half_length[p * dim + a];
   } else {
     for (PetscInt a = 0; a < dim; a++)
-      half[a] =
-        0.5 * PetscPowReal(search->points.volume0[p] * PetscAbsReal(MpmDeterminant(dim, F)), 1. / (PetscReal)dim);
+      half[a] = 0.5 * PetscPowReal(PetscAbsReal(MpmPointExtent(&search->points, dim, p)), 1. / (PetscReal)dim);
   }
 }
 

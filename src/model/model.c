@@ -15,6 +15,7 @@
 #include "bc/bc.h"
 #include "bc/body_motion.h"
 #include "rigid/rigid.h"
+#include "rigid/rigid_motion.h"
 #include "contact/body_contact.h"
 #include "contact/rigid_body.h"
 #include "loads/body_surface.h"
@@ -271,8 +272,26 @@ static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt d
                   "-mpm_physics %s: must be one of %s, " MPM_STRESS_POINT, name, words);
     PetscCall(PetscFree(words));
   }
-  PetscCall(MpmLayoutCreate(&model->scene.physics, dim, model->disc.layout));
+  PetscCall(MpmLayoutCreate(&model->scene.physics, model->scene.kinematics, model->disc.layout));
   model->scene.stretch = MpmStretchFind(dim);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How points deform, in 2D. */
+static PetscErrorCode ReadKinematics(MpmModel model, const MpmOptions *options, PetscInt dim)
+{
+  static const char *const words[] = {"plane_strain", "axisymmetric", NULL};
+  PetscInt                 word    = 0;
+  PetscBool                given;
+
+  PetscFunctionBeginUser;
+  PetscCall(
+    MpmOptionsWord(options, "kinematics",
+                   "with dim 2: plane strain, per metre of thickness, or axial symmetry, x the radius and y the "
+                   "axis, forces and masses of a full turn",
+                   words, MPM_OPTIONAL, &word, &given));
+  MpmCheckInput(!given || dim == 2 || MpmOptionsHelp(), "-mpm_kinematics %s: is a choice with -mpm_dim 2", words[word]);
+  model->scene.kinematics = dim == 3 ? MPM_SPATIAL : word ? MPM_AXISYMMETRY : MPM_PLANE_STRAIN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -285,6 +304,7 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options, PetscI
   PetscCall(MpmOptionsText(options, "title", "free text for the log", "", MPM_OPTIONAL, &model->scene.title));
   PetscCall(MpmPluginsLoad(options));
   PetscCall(MpmOptionsInt(options, "dim", "dimension: 2 (plane strain) or 3", 2, 3, MPM_REQUIRED, dim, NULL));
+  PetscCall(ReadKinematics(model, options, *dim));
   PetscCall(MpmOptionsText(options, "physics",
                            "what is solved: solid, " MPM_STRESS_POINT
                            " (one point in the laboratory), or what a plugin brings",
@@ -395,14 +415,14 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscCall(PetscCalloc1(model->scene.materials->count, &model->scene.materials->at));
   model->solver.symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
-    PetscCall(
-      MpmMaterialCreate(options, model->scene.materials->names[m], model->disc.dim, &model->scene.materials->at[m]));
+    PetscCall(MpmMaterialCreate(options, model->scene.materials->names[m], model->scene.kinematics,
+                                &model->scene.materials->at[m]));
     PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, model->disc.dim, &model->scene.materials->at[m]));
     if (!(model->scene.materials->at[m].info.traits & MPM_LAW_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
     stiffest = PetscMax(stiffest, model->scene.materials->at[m].stiffness);
   }
   if (!(model->scene.physics.traits & MPM_PHYSICS_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
-  model->disc.diagonal = stiffest * PetscPowRealInt(model->disc.h[0], model->disc.dim - 2);
+  model->disc.diagonal = MpmNodeStiffness(&model->disc, stiffest);
   PetscCall(MpmOptionsBlocks(options, "bodies",
                              "names of the body blocks; bodies must not overlap, and are welded where they share "
                              "nodes",
@@ -575,6 +595,30 @@ static PetscErrorCode TakeOptions(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define AXIAL "with -mpm_kinematics axisymmetric"
+
+/* What axial symmetry rules out: forces and motions that no ring has. */
+static PetscErrorCode CheckAxial(const MpmModel model)
+{
+  const MpmLoads      *loads      = model->scene.loads;
+  const MpmBoundaries *boundaries = model->scene.boundaries;
+
+  PetscFunctionBeginUser;
+  if (model->scene.kinematics != MPM_AXISYMMETRY || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt l = 0; l < loads->count; l++)
+    MpmCheckInput(loads->at[l].type != MPM_LOAD_GRAVITY || loads->at[l].value[0] == 0.,
+                  "-mpm_load_%s_value: gravity along x, the radius, must be 0 " AXIAL, loads->at[l].name);
+  for (PetscInt b = 0; b < boundaries->count; b++) {
+    const MpmBoundary *boundary = &boundaries->at[b];
+
+    MpmCheckInput(!boundary->freedom || !(boundary->freedom->free[0] & 1 || boundary->freedom->free[1]),
+                  "-mpm_boundary_%s_free: must be y " AXIAL ", along the axis", boundaries->names[b]);
+    MpmCheckInput(boundary->motion.rotation[2] == 0.,
+                  "-mpm_boundary_%s_rotation: must be 0 " AXIAL ", which nothing turns about z", boundaries->names[b]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Parts whose numbers need no option. */
 static PetscErrorCode AddRows(MpmModel model)
 {
@@ -597,12 +641,17 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscFunctionBeginUser;
   PetscCall(ReadDiscretization(model, options, dim, physics));
   PetscCall(MpmGridSetFromOptions(model->disc.grid, options, model->disc.layout->dim));
+  model->disc.grid->axial = (PetscBool)(model->scene.kinematics == MPM_AXISYMMETRY);
+  MpmCheckInput(!model->disc.grid->axial || model->disc.grid->lower[0] >= 0. || MpmOptionsHelp(),
+                "-mpm_grid_lower: x starts at %g, with -mpm_kinematics axisymmetric it is the radius and must be >= 0",
+                (double)model->disc.grid->lower[0]);
   PetscCall(MpmDiscretizationSize(&model->disc));
   PetscCall(CheckLattices(model->disc.grid, model->disc.layout));
   PetscCall(ReadMaterialsAndBodies(model, options));
   PetscCall(ReadConditions(model, options));
   PetscCall(MpmMovingGridRead(model, options));
   PetscCall(MpmStagesRead(model, options));
+  PetscCall(CheckAxial(model));
   PetscCall(MpmDynamicsRead(model, options));
   PetscCall(MpmStabilizationSettle(model));
   PetscCall(ReadOutput(model, options));

@@ -295,26 +295,26 @@ PetscErrorCode MpmPointFieldsCreate(MpmModel model)
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
     if (MpmBodyIsImported(model->scene.bodies->at[b]) || MpmBodyIsStressed(model->scene.bodies->at[b]))
       model->state.particles->has_mass = PETSC_TRUE;
-  PetscCall(MpmParticlesCreate(
-    model->disc.grid,
-    &(MpmParticleFields){.parameters   = MpmOwnParametersSize(model),
-                         .state_size   = state_size,
-                         .own_size     = model->disc.layout->own_size,
-                         .rates        = model->disc.layout->rates,
-                         .half_length  = half_length,
-                         .increment    = model->state.predict,
-                         .faces        = faces,
-                         .part         = parts,
-                         .divisions    = (PetscBool)(model->scene.stabilization.divide > 0.),
-                         .origin       = MpmOriginIsKept(model),
-                         .across       = (PetscBool)(model->disc.dim == 2 && model->state.particles->has_mass),
-                         .velocity     = model->disc.inertia->dynamic,
-                         .affine       = MpmStagesAreAffine(model),
-                         .acceleration = MpmStagesAreImplicit(model),
-                         .extra_count  = extra,
-                         .shared       = shared,
-                         .extra        = fields},
-    model->state.particles));
+  PetscCall(MpmParticlesCreate(model->disc.grid,
+                               &(MpmParticleFields){.parameters  = MpmOwnParametersSize(model),
+                                                    .state_size  = state_size,
+                                                    .own_size    = model->disc.layout->own_size,
+                                                    .rates       = model->disc.layout->rates,
+                                                    .half_length = half_length,
+                                                    .increment   = model->state.predict,
+                                                    .faces       = faces,
+                                                    .part        = parts,
+                                                    .divisions   = (PetscBool)(model->scene.stabilization.divide > 0.),
+                                                    .origin      = MpmOriginIsKept(model),
+                                                    .across = (PetscBool)(model->scene.kinematics == MPM_PLANE_STRAIN &&
+                                                                          model->state.particles->has_mass),
+                                                    .velocity     = model->disc.inertia->dynamic,
+                                                    .affine       = MpmStagesAreAffine(model),
+                                                    .acceleration = MpmStagesAreImplicit(model),
+                                                    .extra_count  = extra,
+                                                    .shared       = shared,
+                                                    .extra        = fields},
+                               model->state.particles));
   PetscCall(PetscFree(fields));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

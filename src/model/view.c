@@ -15,6 +15,7 @@
 #include "rigid/rigid.h"
 #include "loads/load.h"
 #include "query/model.h"
+#include "query/query.h"
 #include "step/integrator.h"
 #include "model/build.h"
 
@@ -25,8 +26,8 @@ static PetscErrorCode ViewScene(const MpmModel model, PetscViewer viewer)
   PetscFunctionBeginUser;
   PetscCall(PetscViewerASCIIPrintf(viewer, "Model: %s\n", scene->title ? scene->title : "without a title"));
   PetscCall(PetscViewerASCIIPushTab(viewer));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "physics %s, %" PetscInt_FMT "D, shape %s, integrator %s\n",
-                                   scene->physics.name, model->disc.dim, MpmShapeTypes[scene->shape],
+  PetscCall(PetscViewerASCIIPrintf(viewer, "physics %s, %s, shape %s, integrator %s\n", scene->physics.name,
+                                   MpmKindText(model), MpmShapeTypes[scene->shape],
                                    model->state.scheme.integrator->name));
   PetscCall(PetscViewerASCIIPrintf(viewer, "unknowns of a node:"));
   PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));

@@ -29,10 +29,13 @@ static void CopySym(PetscInt dim, const PetscReal from[], PetscReal to[])
 }
 
 /* In plane strain the third axis does not stretch. */
-static void CopyF(PetscInt dim, const PetscReal from[], PetscReal to[])
+static void CopyF(PetscInt dim, const MpmPoints *points, PetscInt p, PetscReal to[])
 {
+  const PetscReal *from = MpmPointF(points, p);
+
   for (PetscInt a = 0; a < 3; a++)
     for (PetscInt b = 0; b < 3; b++) to[3 * a + b] = a < dim && b < dim ? from[a * dim + b] : a == b ? 1. : 0.;
+  if (points->F_size > dim * dim) to[8] = from[dim * dim];
 }
 
 static PetscErrorCode FillDisplacement(const void *ctx, PetscReal values[])
@@ -63,16 +66,14 @@ static PetscErrorCode FillVolume(const void *ctx, PetscReal values[])
 {
   const MpmPoints *points = ((const Source *)ctx)->points;
   const MpmModel   model  = ((const Source *)ctx)->model;
-  const PetscInt   dim    = model->disc.dim;
 
   PetscFunctionBeginUser;
   for (PetscInt p = 0; p < points->count; p++) {
-    const PetscReal *F = &points->F[p * dim * dim];
+    const PetscReal *F = MpmPointF(points, p);
 
-    values[p] =
-      points->volume0[p] * (model->disc.layout->taken_up < 0
-                              ? MpmDeterminant(dim, F)
-                              : MpmPointVolumeRatio(&model->scene.materials->at[points->material[p]], dim, F));
+    values[p] = points->volume0[p] * (model->disc.layout->taken_up < 0
+                                        ? MpmPointJ(points, p)
+                                        : MpmPointVolumeRatio(&model->scene.materials->at[points->material[p]], F));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -94,7 +95,7 @@ static PetscErrorCode FillF(const void *ctx, PetscReal values[])
   const PetscInt   dim    = ((const Source *)ctx)->model->disc.dim;
 
   PetscFunctionBeginUser;
-  for (PetscInt p = 0; p < points->count; p++) CopyF(dim, &points->F[p * dim * dim], &values[9 * p]);
+  for (PetscInt p = 0; p < points->count; p++) CopyF(dim, points, p, &values[9 * p]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -127,10 +128,11 @@ static PetscErrorCode FillStrain(const void *ctx, PetscReal values[])
     PetscReal      F[9];
 
     if (dim == 2 && !(traits & MPM_LAW_SMALL_STRAIN)) {
-      PlaneLogStrain(&points->F[p * 4], &values[6 * p]);
+      PlaneLogStrain(MpmPointF(points, p), &values[6 * p]);
+      if (points->F_size == 5) values[6 * p + 2] = PetscLogReal(MpmPointF(points, p)[4]);
       continue;
     }
-    CopyF(dim, &points->F[p * dim * dim], F);
+    CopyF(dim, points, p, F);
     PetscCall(MpmStrainFromDeformation(traits & MPM_LAW_SMALL_STRAIN ? MPM_STRAIN_ENGINEERING : MPM_STRAIN_LOG, F,
                                        &values[6 * p]));
   }

@@ -75,8 +75,8 @@ static void AddPoint(const MpmGrid *grid, const PetscReal x[], const MpmPoints *
                      Fit *fit)
 {
   const PetscInt  dim      = grid->dim;
-  const PetscReal volume   = points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
-  const PetscReal side     = PetscPowReal(volume, 1. / (PetscReal)dim);
+  const PetscReal volume   = points->volume0[p] * MpmPointJ(points, p);
+  const PetscReal side     = PetscPowReal(MpmPointExtent(points, dim, p), 1. / (PetscReal)dim);
   PetscReal       d[TERMS] = {1.}, weight = volume, far = 0.;
 
   for (PetscInt a = 0; a < dim; a++) {

@@ -9,6 +9,7 @@
 #include "particles/particles.h"
 #include "rigid/rigid.h"
 #include "query/model.h"
+#include "query/query.h"
 #include "scene/integrator_read.h"
 #include "scene/scene_read.h"
 #include "observe/results.h"
@@ -101,8 +102,8 @@ PetscErrorCode MpmTerminalBegin(MpmModel model, const char *what)
     PetscCall(PrintTitles(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(PetscPrintf(model->comm, "  %s, %" PetscInt_FMT "D, shape %s%s, Jacobian %s, solver %s%s%s%s, %d rank%s\n",
-                        model->scene.physics.name, grid->dim, MpmShapeTypes[model->scene.shape],
+  PetscCall(PetscPrintf(model->comm, "  %s, %s, shape %s%s, Jacobian %s, solver %s%s%s%s, %d rank%s\n",
+                        model->scene.physics.name, MpmKindText(model), MpmShapeTypes[model->scene.shape],
                         model->scene.edge == MPM_EDGE_OPEN ? " with not-a-knot ends" : "",
                         MpmJacobianTypes[model->solver.jacobian_type], model->solver.name,
                         model->solver.why ? " (" : "", model->solver.why ? model->solver.why : "",

@@ -456,12 +456,13 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
       if (!points) continue;
       points->id[p]       = (PetscInt)(id + count - 1);
       points->material[p] = body->material;
-      points->volume0[p]  = volume;
+      points->volume0[p]  = volume * MpmTurn(points->F_size, x[0]);
       for (PetscInt a = 0; a < dim; a++) {
         points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] = x[a];
         if (points->half_length) points->half_length[p * dim + a] = 0.5 * grid->h[a] / (PetscReal)body->per_cell[a];
-        for (PetscInt b = 0; b < dim; b++) points->F[(p * dim + a) * dim + b] = a == b ? 1. : 0.;
+        for (PetscInt b = 0; b < dim; b++) MpmPointF(points, p)[a * dim + b] = a == b ? 1. : 0.;
       }
+      if (points->F_size > dim * dim) MpmPointF(points, p)[dim * dim] = 1.;
     }
   }
   return count;

@@ -86,12 +86,13 @@ static const char *WrongPoint(const MpmImported imported, const MpmGrid *grid, P
   const PetscInt   dim = grid->dim;
   const PetscReal *x = &imported->quantity[POSITION].value[p * dim], *F = imported->quantity[DEFORMATION].value;
   const PetscReal *half = imported->quantity[HALF_LENGTH].value;
+  const PetscReal  turn = grid->axial ? MpmGridTurn(grid, x[0]) : 0.;
   PetscReal        plane[MPM_MAX_DIM * MPM_MAX_DIM], room = 1., domain = 1.;
 
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal slack = MPM_TOLERANCE * grid->h[a], extent = grid->upper[a] - grid->lower[a];
 
-    room *= extent;
+    room *= a == 0 && grid->axial ? MpmGridTurn(grid, grid->upper[0]) * extent : extent;
     if (!(x[a] >= grid->lower[a] - slack && x[a] <= grid->upper[a] + slack)) return "is outside the grid";
     if (half && !(half[p * dim + a] > 0.)) return "has a half_length that is not positive";
     if (half && half[p * dim + a] > extent) return "has a half_length that is more than the grid's extent";
@@ -103,9 +104,11 @@ static const char *WrongPoint(const MpmImported imported, const MpmGrid *grid, P
   if (imported->quantity[MASS].value && !(imported->quantity[MASS].value[p] >= 0.)) return "has a negative mass";
   if (imported->quantity[MASS].value && imported->quantity[MASS].value[p] == 0. && density > 0.)
     return "has a mass of 0, and its material a density: without the column the mass is density times volume";
-  if (F && !(MpmDeterminant(dim, plane) > 0.)) return "has an F whose determinant is not positive";
+  if (F && !(MpmDeterminant(dim * dim, plane) * (turn > 0. ? F[9 * p + 8] : 1.) > 0.))
+    return "has an F whose determinant is not positive";
   if (half && !imported->run &&
-      domain * (F ? MpmDeterminant(dim, plane) : 1.) > WIDER * imported->quantity[VOLUME].value[p])
+      domain * (F ? MpmDeterminant(dim * dim, plane) : 1.) * (turn > 0. ? turn : 1.) >
+        WIDER * imported->quantity[VOLUME].value[p])
     return "has half_lengths whose domain, the product of their doubles, is larger than its volume";
   return NULL;
 }
@@ -263,7 +266,7 @@ static void TakeGeometry(const MpmImported imported, PetscInt dim, PetscReal den
 {
   const Quantity *quantity = imported->quantity;
   const PetscReal volume   = quantity[VOLUME].value[row];
-  PetscReal      *F        = &points->F[p * dim * dim];
+  PetscReal      *F        = MpmPointF(points, p);
 
   for (PetscInt a = 0; a < dim; a++) {
     points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] =
@@ -272,12 +275,13 @@ static void TakeGeometry(const MpmImported imported, PetscInt dim, PetscReal den
       F[a * dim + b] =
         quantity[DEFORMATION].value ? quantity[DEFORMATION].value[9 * row + 3 * a + b] : (a == b ? 1. : 0.);
   }
-  points->volume0[p] = volume / MpmDeterminant(dim, F);
+  if (points->F_size > dim * dim) F[4] = quantity[DEFORMATION].value ? quantity[DEFORMATION].value[9 * row + 8] : 1.;
+  points->volume0[p] = volume / MpmPointJ(points, p);
   points->mass[p]    = quantity[MASS].value ? quantity[MASS].value[row] : density * volume;
   for (PetscInt a = 0; points->half_length && a < dim; a++)
     points->half_length[p * dim + a] = quantity[HALF_LENGTH].value
                                          ? quantity[HALF_LENGTH].value[row * dim + a]
-                                         : 0.5 * PetscPowReal(points->volume0[p], 1. / (PetscReal)dim);
+                                         : 0.5 * PetscPowReal(MpmPointExtent(points, dim, p), 1. / (PetscReal)dim);
 }
 
 /*
@@ -288,7 +292,7 @@ static int TakeStress(const MpmImported imported, const MpmInitial *initial, Pet
 {
   const PetscInt  dim = initial->model_dim, size = MpmSymSize(dim);
   const PetscBool has_F  = (PetscBool)(imported->quantity[DEFORMATION].value != NULL);
-  PetscReal      *stress = &points->stress[p * size], *F = &points->F[p * dim * dim], own[MPM_INITIAL_STATE],
+  PetscReal      *stress = &points->stress[p * size], *F = MpmPointF(points, p), own[MPM_INITIAL_STATE],
             found[MPM_MAX_DIM * MPM_MAX_DIM], U[MPM_MAX_DIM], J;
   int answer;
 
@@ -296,7 +300,7 @@ static int TakeStress(const MpmImported imported, const MpmInitial *initial, Pet
   for (PetscInt c = 0; c < size; c++) stress[c] = imported->quantity[STRESS].value[6 * row + c];
   if (initial->stateful ? has_state : has_F)
     return points->across && MpmInitialAcross(initial, F, state, stress, &points->across[p]) ? 2 : 0;
-  J = MpmDeterminant(dim, F);
+  J = MpmPointJ(points, p);
   for (PetscInt c = 0; initial->stateful && c < size; c++) stress[c] *= J; /* history holds the Kirchhoff stress */
   answer = MpmInitialFind(initial, state, stress, found, own, points->across ? &points->across[p] : NULL);
   if (answer == 2) return 2;
@@ -304,8 +308,8 @@ static int TakeStress(const MpmImported imported, const MpmInitial *initial, Pet
   for (PetscInt c = 0; initial->stateful && c < size; c++) stress[c] /= J;
   if (initial->stateful) return answer;
   if (MpmStretchFind(dim)(found, U)) return 2;
-  for (PetscInt k = 0; k < dim * dim; k++) F[k] = found[k];
-  points->volume0[p] /= MpmDeterminant(dim, F);
+  for (PetscInt k = 0; k < points->F_size; k++) F[k] = found[k];
+  points->volume0[p] /= MpmPointJ(points, p);
   for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] /= U[a];
   return answer;
 }

@@ -14,7 +14,7 @@ static int SetStress(const MpmInitial *initial, MpmStretch stretch, const PetscR
                      MpmPoints *points, PetscReal state_n[])
 {
   const PetscInt dim = initial->model_dim, size = MpmSymSize(dim);
-  PetscReal     *sigma = &points->stress[p * size], *F = &points->F[p * dim * dim], U[MPM_MAX_DIM];
+  PetscReal     *sigma = &points->stress[p * size], *F = MpmPointF(points, p), U[MPM_MAX_DIM];
   PetscReal      state[MPM_INITIAL_STATE];
   int            answer;
 
@@ -23,7 +23,7 @@ static int SetStress(const MpmInitial *initial, MpmStretch stretch, const PetscR
   if (answer) return answer;
   for (PetscInt k = 0; k < initial->material->state_size; k++) state_n[k] = state[k];
   if (stretch(F, U)) return 2;
-  points->volume0[p] /= MpmDeterminant(dim, F);
+  points->volume0[p] /= MpmPointJ(points, p);
   for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] /= U[a];
   return 0;
 }

@@ -72,16 +72,21 @@ static PetscInt LongestAxis(const MpmGrid *grid, const MpmPoints *points, PetscI
 /* The half of a point on this side; halves its extensive values. */
 static void MakeHalf(const MpmGrid *grid, const MpmPoints *points, PetscInt p, PetscInt axis, PetscReal side)
 {
-  const PetscInt  dim = grid->dim;
-  const PetscReal by  = 0.5 * side * points->half_length[p * dim + axis];
+  const PetscInt  dim    = grid->dim;
+  const PetscReal by     = 0.5 * side * points->half_length[p * dim + axis];
+  const PetscReal radius = points->x[p * dim];
   PetscReal       way[MPM_MAX_DIM];
 
   for (PetscInt i = 0; i < dim; i++) {
     const PetscReal x = points->x[p * dim + i], room = PetscMin(x - grid->lower[i], grid->upper[i] - x);
 
-    way[i] = by * points->F[(p * dim + i) * dim + axis];
+    way[i] = by * MpmPointF(points, p)[i * dim + axis];
     if (PetscAbsReal(way[i]) > room) way[i] = way[i] > 0. ? room : -room;
     points->x[p * dim + i] = PetscMin(PetscMax(x + way[i], grid->lower[i]), grid->upper[i]);
+  }
+  if (grid->axial) { /* the outer half of a ring is the larger one */
+    points->volume0[p] *= points->x[p * dim] / radius;
+    if (points->mass) points->mass[p] *= points->x[p * dim] / radius;
   }
   points->x0[p * dim + axis] += by;
   if (points->origin != points->x0) points->origin[p * dim + axis] += by;
@@ -108,7 +113,7 @@ static PetscReal Openness(PetscInt dim, const PetscReal F[])
     for (PetscInt i = 0; i < dim; i++) square += PetscSqr(F[i * dim + a]);
     product *= square;
   }
-  return MpmDeterminant(dim, F) / PetscSqrtReal(product);
+  return MpmDeterminant(dim * dim, F) / PetscSqrtReal(product);
 }
 
 /* Axes by the lengths of their edges, longest first. */
@@ -151,7 +156,7 @@ static void CutThreads(const MpmGrid *grid, const MpmMaterial *materials, const 
 
   for (PetscInt p = 0; p < points->count; p++) {
     const PetscBool last = (PetscBool)(Divisions(points, dim, p) >= MPM_DIVISIONS);
-    PetscReal      *F    = &points->F[p * dim * dim];
+    PetscReal      *F    = MpmPointF(points, p);
 
     if (!last && LongestAxis(grid, points, p, longest) < 0) continue;
     if (materials[points->material[p]].info.traits & MPM_LAW_VOLUME && Openness(dim, F) <= SKEWED)

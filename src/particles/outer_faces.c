@@ -51,7 +51,7 @@ PetscReal MpmOuterNormal(PetscInt dim, const PetscReal F[], const PetscReal N[],
   for (PetscInt a = 0; a < dim; a++) length += PetscSqr(cofactor[a]);
   length = PetscSqrtReal(length);
   for (PetscInt a = 0; a < dim; a++) n[a] = cofactor[a] / length;
-  return MpmDeterminant(dim, F) / length;
+  return MpmDeterminant(dim * dim, F) / length;
 }
 
 /* A domain that may cover a probe: its place, its part, and the inverse of F diag(l). */
@@ -70,8 +70,8 @@ static void Reach(PetscInt dim, const PetscReal F[], const PetscReal half[], Pet
 
 static Domain MakeDomain(PetscInt dim, const MpmPoints *points, PetscInt p, PetscInt part)
 {
-  const PetscReal *F = &points->F[p * dim * dim], *half = &points->half_length[p * dim];
-  const PetscReal  J      = MpmDeterminant(dim, F);
+  const PetscReal *F = MpmPointF(points, p), *half = &points->half_length[p * dim];
+  const PetscReal  J      = MpmDeterminant(dim * dim, F);
   Domain           domain = {.part = (PetscReal)part};
 
   for (PetscInt a = 0; a < dim; a++) {
@@ -197,7 +197,7 @@ PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, c
   for (PetscInt p = 0; p < points->count; p++) {
     PetscReal reach[MPM_MAX_DIM];
 
-    Reach(dim, &points->F[p * dim * dim], &points->half_length[p * dim], reach);
+    Reach(dim, MpmPointF(points, p), &points->half_length[p * dim], reach);
     for (PetscInt a = 0; a < dim; a++) bins.reach[a] = PetscMax(bins.reach[a], reach[a]);
     bins.domain[p] = MakeDomain(dim, points, p, part ? part[p] : 0);
   }
@@ -210,7 +210,7 @@ PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, c
       PetscReal arm[MPM_MAX_DIM], area[MPM_MAX_DIM], probe[MPM_MAX_DIM];
 
       if (asked && !(asked[p] & MpmFaceBit(k / 2, k % 2))) continue;
-      MpmOuterFace(dim, &points->F[p * dim * dim], &points->half_length[p * dim], k / 2, k % 2, arm, area);
+      MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], k / 2, k % 2, arm, area);
       for (PetscInt a = 0; a < dim; a++) probe[a] = points->x[p * dim + a] + PROBE * arm[a];
       if (!Covered(&bins, probe, part ? part[p] : 0)) faces[p] |= MpmFaceBit(k / 2, k % 2);
     }

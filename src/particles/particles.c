@@ -53,7 +53,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
   PetscCall(Register(particles, "position", dim, PETSC_REAL));
   PetscCall(Register(particles, "position0", dim, PETSC_REAL));
   if (fields->origin) PetscCall(Register(particles, "origin", dim, PETSC_REAL));
-  PetscCall(Register(particles, "F", dim * dim, PETSC_REAL));
+  PetscCall(Register(particles, "F", MpmGridF(grid), PETSC_REAL));
   PetscCall(Register(particles, "volume0", 1, PETSC_REAL));
   PetscCall(Register(particles, "stress", MpmSymSize(dim), PETSC_REAL));
   if (particles->has_mass) PetscCall(Register(particles, "mass", 1, PETSC_REAL));
@@ -82,6 +82,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
                                               !strcmp(field->name, "volume0") || !strcmp(field->name, "mass"));
   }
   particles->dim         = dim;
+  particles->F_size      = MpmGridF(grid);
   particles->stress_size = MpmSymSize(dim);
   particles->state_size  = fields->state_size;
   particles->own_size    = fields->own_size;
@@ -146,6 +147,7 @@ static PetscErrorCode Hold(MpmParticles *particles)
   points->x              = HeldArray(particles, "position");
   points->x0             = HeldArray(particles, "position0");
   points->origin         = MpmParticlesHaveField(particles, "origin") ? HeldArray(particles, "origin") : points->x0;
+  points->F_size         = particles->F_size;
   points->F              = HeldArray(particles, "F");
   points->volume0        = HeldArray(particles, "volume0");
   points->stress         = HeldArray(particles, "stress");
@@ -640,13 +642,14 @@ void MpmPointsSetOwn(const MpmMaterial *materials, const PetscInt vertical[2], P
   }
 }
 
-PetscReal MpmPointVolumeRatio(const MpmMaterial *material, PetscInt dim, const PetscReal F[])
+PetscReal MpmPointVolumeRatio(const MpmMaterial *material, const PetscReal F[])
 {
-  PetscReal ratio = 1.;
+  const PetscInt size = MpmKinematicsF(material->kinematics), dim = MpmKinematicsDim(material->kinematics);
+  PetscReal      ratio = 1.;
 
-  if (!(material->info.traits & MPM_LAW_SMALL_STRAIN)) return MpmDeterminant(dim, F);
+  if (!(material->info.traits & MPM_LAW_SMALL_STRAIN)) return MpmDeterminant(size, F);
   for (PetscInt a = 0; a < dim; a++) ratio += F[a * dim + a] - 1.;
-  return ratio;
+  return ratio + (size > dim * dim ? F[size - 1] - 1. : 0.);
 }
 
 PetscReal MpmPointMassStart(const MpmPoints *points, const MpmMaterial *materials, PetscInt p)
@@ -657,12 +660,11 @@ PetscReal MpmPointMassStart(const MpmPoints *points, const MpmMaterial *material
 PetscReal MpmPointMassNow(const MpmPoints *points, const MpmMaterial *materials, const MpmLayout *layout, PetscInt p)
 {
   const MpmMaterial *material = &materials[points->material[p]];
-  const PetscInt     dim      = layout->dim;
   PetscReal          mass     = MpmPointMass(points, materials, p);
 
   if (layout->taken_up < 0) return mass;
   return mass + MpmMaterialPhysicsValues(material, MpmPointOwn(points, material, p))[layout->taken_up] *
-                  points->volume0[p] * (MpmPointVolumeRatio(material, dim, &points->F[p * dim * dim]) - 1.);
+                  points->volume0[p] * (MpmPointVolumeRatio(material, MpmPointF(points, p)) - 1.);
 }
 
 PetscErrorCode MpmParticlesStartHere(MpmParticles *particles)

@@ -19,7 +19,7 @@ typedef struct MpmParticles {
   DM             swarm;
   PetscInt       field_count;
   MpmPointField *fields; /* all of them, id first */
-  PetscInt       dim, stress_size, state_size, own_size, rates;
+  PetscInt       dim, F_size, stress_size, state_size, own_size, rates;
   MpmPoints     *held;     /* the fields, from their first use until the number of points changes */
   PetscInt       lent;     /* number of loans not yet restored */
   PetscBool      has_mass; /* set before MpmParticlesCreate() */

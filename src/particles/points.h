@@ -4,6 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "talus/point/dense.h"
 
 #define MPM_INCREMENT(dim) (2 * (dim) * ((dim) + 1)) /* numbers of the last two steps' increments */
 
@@ -11,10 +12,11 @@
 typedef struct MpmPoints {
   PetscBool  lent;
   PetscInt   count;
+  PetscInt   F_size; /* components of F, MpmKinematicsF() */
   PetscInt  *id, *material;
   PetscReal *x, *x0;      /* position now and at the start, or where displacements began anew, m */
   PetscReal *origin;      /* at the start, whatever began anew, m */
-  PetscReal *F;           /* dim x dim, row-major */
+  PetscReal *F;           /* dim x dim, row-major, and with axial symmetry the hoop component */
   PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
   PetscInt  *faces;       /* bits of those that bound the material (outer_faces.h); with boundaries only */
   PetscInt *divisions; /* how often it has been divided across each axis, MPM_DIVISION_BITS each; where points may be */
@@ -37,6 +39,26 @@ typedef struct MpmPoints {
     *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major; the one before */
 } MpmPoints;
 
+/* F of point p, and its determinant. */
+static inline PetscReal *MpmPointF(const MpmPoints *points, PetscInt p)
+{
+  return &points->F[p * points->F_size];
+}
+static inline PetscReal MpmPointJ(const MpmPoints *points, PetscInt p)
+{
+  return MpmDeterminant(points->F_size, MpmPointF(points, p));
+}
+/* MpmGridTurn() (grid/grid.h) for those who have no grid: with axial symmetry F has five components. */
+static inline PetscReal MpmTurn(PetscInt F_size, PetscReal r)
+{
+  return F_size == 5 ? 2. * PETSC_PI * r : 1.;
+}
+/* Area of a point's domain in the plane, m2; its volume in 3D, m3. */
+static inline PetscReal MpmPointExtent(const MpmPoints *points, PetscInt dim, PetscInt p)
+{
+  return points->volume0[p] * MpmPointJ(points, p) / MpmTurn(points->F_size, points->x[p * dim]);
+}
+
 /* How often a point has been divided across an axis (divide.c). */
 #define MPM_DIVISION_BITS 4
 static inline PetscInt MpmPointDivisions(const MpmPoints *points, PetscInt p, PetscInt axis)
@@ -56,7 +78,7 @@ static inline PetscReal MpmPointHalfWhole(const MpmPoints *points, PetscInt dim,
 void MpmPointsSetOwn(const MpmMaterial *materials, const PetscInt vertical[2], PetscInt dim, PetscInt first,
                      PetscInt end, const MpmPoints *points);
 /* J of a point for the water taken up: det F, or 1 + tr(F - I) at small strain. */
-PetscReal MpmPointVolumeRatio(const MpmMaterial *material, PetscInt dim, const PetscReal F[]);
+PetscReal MpmPointVolumeRatio(const MpmMaterial *material, const PetscReal F[]);
 /* A point's mass at the start, kg: MpmPointMass() (point_mass.h) for files without materials. */
 PetscReal MpmPointMassStart(const MpmPoints *points, const MpmMaterial *materials, PetscInt p);
 /* Its mass now, with the water that it has taken up since the start. */

@@ -47,13 +47,13 @@ MPM_FN int MpmMaterialEvaluate_k0(const MpmLawPoint *point, const Tensor *dF, Sy
   Scalar      along     = ScalarConstant(0.);
   Sym         e;
 
-  for (int a = 0; a < MPM_DIM; a++) H.a[a * (MPM_DIM + 1)] = ScalarShift(H.a[a * (MPM_DIM + 1)], -1.);
+  for (int a = 0; a < MPM_NORMALS; a++) H.a[MPM_NORMAL_AT(a)] = ScalarShift(H.a[MPM_NORMAL_AT(a)], -1.);
   H = TensorMulArray(&H, point->F_n);
   e = SymFromTensor(&H);
-#if MPM_DIM == 2
+#if MPM_NORMALS == 2
   e.a[2] = ScalarConstant(0.);
 #endif
-  for (int a = 0; a < MPM_DIM; a++) ScalarAddScaled(&along, a == axis ? 1. : ratio, &e.a[SymIndex(a, a)]);
+  for (int a = 0; a < MPM_NORMALS; a++) ScalarAddScaled(&along, a == axis ? 1. : ratio, &e.a[a]);
   *tau = SymScaleBy(parameter[REGULAR] * parameter[MODULUS], &e);
   for (int a = 0; a < 3; a++) ScalarAddScaled(&tau->a[a], parameter[MODULUS] * (a == axis ? 1. : ratio), &along);
   for (int c = 3; c < (MPM_DIM == 2 ? 4 : 6); c++) ScalarAddScaled(&tau->a[c], parameter[MODULUS], &e.a[c]);

@@ -12,25 +12,32 @@ typedef struct {
   PetscInt spacing; /* of its nodes, in cells */
 } MpmFieldShape;
 
+/* Inputs of component c: input[first[c]] up to, not including, input[first[c + 1]]. */
+typedef struct {
+  PetscInt first[MPM_MAX_BLOCK + 1], input[MPM_MAX_INPUTS];
+} MpmComponentInputs;
+
 /*
   The layout that follows from a physics' fields: block size, their shapes, and which basis function and component each
   kernel input takes.
 */
 typedef struct MpmLayout {
-  PetscInt      dim, block, inputs, rates;
-  PetscInt      field_count, field_of[MPM_MAX_BLOCK]; /* of each component */
-  PetscInt      shape_count;
-  MpmFieldShape shape[MPM_MAX_SHAPES];
-  PetscInt      shape_of[MPM_MAX_BLOCK];
-  PetscInt  component_first[MPM_MAX_BLOCK + 1]; /* inputs of component c: [component_first[c], component_first[c+1]) */
-  PetscInt  component_of[MPM_MAX_INPUTS];
-  PetscInt  basis_of[MPM_MAX_INPUTS];      /* shape * MPM_BASES, + 0 weight, + 1.. derivatives, + dim + 1 deviation */
-  PetscInt  rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
-  PetscInt  deviations;
-  PetscInt  deviation_component[MPM_MAX_BLOCK]; /* and of each deviation */
-  PetscInt  means; /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
-  PetscBool increment[MPM_MAX_BLOCK];
-  PetscBool negative[MPM_MAX_BLOCK];                                           /* equations are taken times -1 */
+  PetscInt           dim, block, inputs, rates;
+  MpmKinematics      kinematics;
+  PetscInt           field_count, field_of[MPM_MAX_BLOCK]; /* of each component */
+  PetscInt           shape_count;
+  MpmFieldShape      shape[MPM_MAX_SHAPES];
+  PetscInt           shape_of[MPM_MAX_BLOCK];
+  MpmComponentInputs by_component;
+  PetscInt           component_of[MPM_MAX_INPUTS];
+  PetscInt           basis_of
+    [MPM_MAX_INPUTS]; /* shape * MPM_BASES, + 0 weight, + 1.. derivatives, + dim + 1 deviation, + MPM_HOOP_BASIS weight over radius */
+  PetscInt    rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
+  PetscInt    deviations;
+  PetscInt    deviation_component[MPM_MAX_BLOCK]; /* and of each deviation */
+  PetscInt    means; /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
+  PetscBool   increment[MPM_MAX_BLOCK];
+  PetscBool   negative[MPM_MAX_BLOCK];                                         /* equations are taken times -1 */
   const char *component_name[MPM_MAX_BLOCK], *component_symbol[MPM_MAX_BLOCK]; /* symbol: NULL where it has none */
   MpmNearNull near_null[MPM_MAX_BLOCK];                                        /* of the field of each component */
   MpmScale    scale[MPM_MAX_BLOCK];
@@ -44,7 +51,7 @@ typedef struct MpmLayout {
   const MpmKernelSet *kernel;
 } MpmLayout;
 
-PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayout *layout);
+PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt kinematics, MpmLayout *layout);
 /* True where any of the kernel's inputs needs the weights, not only their derivatives. */
 PetscBool MpmLayoutUsesValues(const MpmLayout *layout);
 /* True where any of them needs the deviations of a shape. */

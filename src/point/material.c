@@ -9,13 +9,14 @@
 #include "point/parameter.h"
 #include "point/registry.h"
 
-#define MPM_LAW_INSTANCE(name, dim, instance, form) \
-  void MpmMaterialCreate_##name##_##dim##d_##instance(MpmLawInfo *info);
+#define MPM_LAW_INSTANCE(name, kinematics, kind, instance, form) \
+  void MpmMaterialCreate_##name##_##kind##_##instance(MpmLawInfo *info);
 #include "mpm_laws.h"
 #undef MPM_LAW_INSTANCE
 
 static const MpmLawInstance laws[] = {
-#define MPM_LAW_INSTANCE(name, dim, instance, form) {#name, dim, form, MpmMaterialCreate_##name##_##dim##d_##instance},
+#define MPM_LAW_INSTANCE(name, kinematics, kind, instance, form) \
+  {#name, kinematics, form, MpmMaterialCreate_##name##_##kind##_##instance},
 #include "mpm_laws.h"
 #undef MPM_LAW_INSTANCE
 };
@@ -32,16 +33,16 @@ static const MpmLawInstance *Instance(PetscInt k)
 static const MpmLawInstance *NextLaw(PetscInt *k)
 {
   for (const MpmLawInstance *law = Instance((*k)++); law; law = Instance((*k)++))
-    if (law->dim == 3 && law->form == MPM_FORM_RESIDUAL) return law;
+    if (law->kinematics == MPM_SPATIAL && law->form == MPM_FORM_RESIDUAL) return law;
   return NULL;
 }
 
-PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info)
+PetscBool MpmLawFind(const char *name, PetscInt kinematics, MpmForm form, MpmLawInfo *info)
 {
   const MpmLawInstance *law;
 
   for (PetscInt k = 0; (law = Instance(k)); k++) {
-    if (law->dim == dim && law->form == form && !strcmp(law->name, name)) {
+    if (law->kinematics == kinematics && law->form == form && !strcmp(law->name, name)) {
       law->create(info);
       return PETSC_TRUE;
     }
@@ -49,13 +50,13 @@ PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *i
   return PETSC_FALSE;
 }
 
-PetscBool MpmLawFindAll(const char *name, PetscInt dim, MpmFunction law[], MpmLawInfo *info)
+PetscBool MpmLawFindAll(const char *name, PetscInt kinematics, MpmFunction law[], MpmLawInfo *info)
 {
   for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
-    if (!MpmLawFind(name, dim, (MpmForm)form, info)) return PETSC_FALSE;
+    if (!MpmLawFind(name, kinematics, (MpmForm)form, info)) return PETSC_FALSE;
     law[form] = info->law;
   }
-  return MpmLawFind(name, dim, MPM_FORM_RESIDUAL, info);
+  return MpmLawFind(name, kinematics, MPM_FORM_RESIDUAL, info);
 }
 
 PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim)
@@ -381,22 +382,25 @@ static PetscErrorCode ReadParameter(const MpmOptions *block, PetscInt dim, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material)
+PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt kinematics,
+                                 MpmMaterial *material)
 {
-  char         prefix[256];
-  MpmOptions   block = {options->comm, prefix, options->record};
-  const char **names;
-  PetscInt     type = 0;
-  PetscBool    given;
+  const PetscInt dim = MpmKinematicsDim((int)kinematics);
+  char           prefix[256];
+  MpmOptions     block = {options->comm, prefix, options->record};
+  const char   **names;
+  PetscInt       type = 0;
+  PetscBool      given;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(material, sizeof(*material)));
+  material->kinematics = (int)kinematics;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_material_%s_", name));
   PetscCall(PetscStrallocpy(name, &material->name));
   PetscCall(MpmOptionsHeading(&block, "Material"));
   PetscCall(LawNames(&names));
   PetscCall(MpmOptionsWord(&block, "type", "constitutive law", names, MPM_REQUIRED, &type, &given));
-  PetscCheck(MpmLawFindAll(names[type], dim, material->law, &material->info), options->comm, PETSC_ERR_PLIB,
+  PetscCheck(MpmLawFindAll(names[type], kinematics, material->law, &material->info), options->comm, PETSC_ERR_PLIB,
              "law %s is not compiled", names[type]);
   PetscCall(PetscFree(names));
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->parameter));
@@ -581,7 +585,7 @@ PetscReal MpmMaterialWaveSpeed(const MpmMaterial *material, const double own[], 
   const PetscReal modulus = MpmMaterialStiffness(material, own, state, F), density = MpmMaterialDensity(material, own);
 
   if (!stress) return PetscSqrtReal(modulus / density);
-  return MpmWaveSpeed(dim, modulus, density, F ? MpmDeterminant(dim, F) : 1., stress);
+  return MpmWaveSpeed(dim, modulus, density, F ? MpmDeterminant(MpmKinematicsF(material->kinematics), F) : 1., stress);
 }
 
 PetscReal MpmMaterialViscosity(const MpmMaterial *material, const double own[])

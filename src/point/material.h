@@ -32,6 +32,7 @@ typedef struct MpmMaterial {
   PetscReal penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
   PetscReal spacing; /* most cells from point to point on an axis at the start; 0: unknown */
   PetscInt  state_size;
+  int       kinematics;  /* MpmKinematics that the law is compiled for */
   MpmVariations *varies; /* NULL: uniform */
 } MpmMaterial;
 
@@ -42,7 +43,9 @@ typedef struct MpmMaterials {
   MpmMaterial *at;
 } MpmMaterials;
 
-PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt dim, MpmMaterial *material);
+/* `kinematics`: an MpmKinematics. */
+PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt kinematics,
+                                 MpmMaterial *material);
 /* The parameters of the physics, which stand in the material's block too, and behind them those of the whole scene. */
 PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, PetscInt dim,
                                       MpmMaterial *material);

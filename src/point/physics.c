@@ -5,8 +5,8 @@
 #include "point/material.h"
 #include "point/registry.h"
 
-#define MPM_KERNEL_INSTANCE(name, dim, directions) \
-  void MpmKernelCreate_##name##_##dim##d_##directions(MpmKernelSet *set);
+#define MPM_KERNEL_INSTANCE(name, kinematics, kind, directions) \
+  void MpmKernelCreate_##name##_##kind##_##directions(MpmKernelSet *set);
 #include "mpm_kernels.h"
 #undef MPM_KERNEL_INSTANCE
 
@@ -17,10 +17,11 @@ int MpmStretchQuick_3d_0(const double *F, double *diagonal);
 
 static const struct {
   const char *name;
-  PetscInt    dim;
+  int         kinematics;
   void (*create)(MpmKernelSet *set);
 } kernels[] = {
-#define MPM_KERNEL_INSTANCE(name, dim, directions) {#name, dim, MpmKernelCreate_##name##_##dim##d_##directions},
+#define MPM_KERNEL_INSTANCE(name, kinematics, kind, directions) \
+  {#name, kinematics, MpmKernelCreate_##name##_##kind##_##directions},
 #include "mpm_kernels.h"
 #undef MPM_KERNEL_INSTANCE
 };
@@ -67,7 +68,7 @@ PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool
   }
   for (size_t k = 0; *found && k < PETSC_STATIC_ARRAY_LENGTH(kernels); k++) {
     if (strcmp(kernels[k].name, name)) continue;
-    kernels[k].create(&physics->kernels[kernels[k].dim]);
+    kernels[k].create(&physics->kernels[kernels[k].kinematics]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -122,10 +123,12 @@ static PetscErrorCode SetTraits(const MpmPhysics *physics, MpmLayout *layout)
   layout->means  = layout->kernel->mean ? 1 : 0;
   layout->ghost  = physics->ghost;
   layout->saddle = (PetscBool)((physics->traits & MPM_PHYSICS_SADDLE) != 0);
-  layout->solid  = (PetscBool)(physics->field_count == 1 && layout->inputs == dim * dim && layout->block == dim);
+  layout->solid  = (PetscBool)(physics->field_count == 1 && layout->inputs == MpmKinematicsF(layout->kinematics) &&
+                              layout->block == dim);
   layout->biot   = (PetscBool)((physics->traits & MPM_PHYSICS_BIOT) != 0);
   PetscCheck(!layout->biot || (physics->field_count == 2 && layout->shape_count == 1 && layout->block == dim + 1 &&
-                               layout->component_first[dim] == dim * dim && layout->inputs == dim * dim + dim + 2),
+                               layout->by_component.first[dim] == MpmKinematicsF(layout->kinematics) &&
+                               layout->inputs == MpmKinematicsF(layout->kinematics) + dim + 2),
              PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: its fields are not those of MPM_PHYSICS_BIOT",
              physics->name);
   PetscCheck(layout->kernel->inputs == layout->inputs + layout->means && layout->kernel->residual &&
@@ -135,12 +138,27 @@ static PetscErrorCode SetTraits(const MpmPhysics *physics, MpmLayout *layout)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayout *layout)
+/* Lists the inputs by component. */
+static void SortInputs(MpmLayout *layout)
 {
+  PetscInt count = 0;
+
+  for (PetscInt c = 0; c < layout->block; c++) {
+    for (PetscInt k = 0; k < layout->inputs; k++)
+      if (layout->component_of[k] == c) layout->by_component.input[count++] = k;
+    layout->by_component.first[c + 1] = count;
+  }
+}
+
+PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt kinematics, MpmLayout *layout)
+{
+  const PetscInt dim = MpmKinematicsDim((int)kinematics);
+
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(layout, sizeof(*layout)));
   layout->dim         = dim;
-  layout->kernel      = &physics->kernels[dim];
+  layout->kinematics  = (MpmKinematics)kinematics;
+  layout->kernel      = &physics->kernels[kinematics];
   layout->field_count = physics->field_count;
   for (PetscInt f = 0; f < physics->field_count; f++) {
     const MpmField *field      = &physics->fields[f];
@@ -174,9 +192,13 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
         layout->component_of[layout->inputs] = b;
         layout->basis_of[layout->inputs++]   = shape * MPM_BASES + basis;
       }
-      layout->component_first[b + 1] = layout->inputs;
+    }
+    if (!f && layout->kinematics == MPM_AXISYMMETRY) {
+      layout->component_of[layout->inputs] = 0;
+      layout->basis_of[layout->inputs++]   = MPM_HOOP_BASIS;
     }
   }
+  SortInputs(layout);
   PetscCall(SetTraits(physics, layout));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -184,7 +206,8 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt dim, MpmLayou
 PetscBool MpmLayoutUsesValues(const MpmLayout *layout)
 {
   for (PetscInt k = 0; k < layout->inputs; k++)
-    if (layout->basis_of[k] % MPM_BASES == 0 || layout->basis_of[k] % MPM_BASES == MPM_DEVIATION(layout->dim))
+    if (layout->basis_of[k] % MPM_BASES == 0 || layout->basis_of[k] % MPM_BASES == MPM_DEVIATION(layout->dim) ||
+        (layout->kinematics == MPM_AXISYMMETRY && layout->basis_of[k] == MPM_HOOP_BASIS))
       return PETSC_TRUE;
   return PETSC_FALSE;
 }
@@ -201,8 +224,8 @@ PetscInt MpmPressureComponent(const MpmLayout *layout)
   for (PetscInt r = 0; r < layout->rates; r++) {
     const PetscInt c = layout->rate_component[r];
 
-    for (PetscInt k = layout->component_first[c]; k < layout->component_first[c + 1]; k++)
-      if (layout->basis_of[k] == 1) return c;
+    for (PetscInt k = layout->by_component.first[c]; k < layout->by_component.first[c + 1]; k++)
+      if (layout->basis_of[layout->by_component.input[k]] == 1) return c;
   }
   return -1;
 }

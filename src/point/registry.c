@@ -45,18 +45,18 @@ const MpmLawInstance *MpmLawRegistered(PetscInt k)
   return k < registry.law_count ? &registry.laws[k] : NULL;
 }
 
-static const MpmLawInstance *FindInstance(PetscInt count, const MpmLawInstance list[], const char *name, PetscInt dim,
+static const MpmLawInstance *FindInstance(PetscInt count, const MpmLawInstance list[], const char *name, int kinematics,
                                           MpmForm form)
 {
   for (PetscInt k = 0; k < count; k++)
-    if (list[k].dim == dim && list[k].form == form && !strcmp(list[k].name, name)) return &list[k];
+    if (list[k].kinematics == kinematics && list[k].form == form && !strcmp(list[k].name, name)) return &list[k];
   return NULL;
 }
 
 /* All forms must be there, and the name must be free; `known`: it has been registered before, just so. */
 static PetscErrorCode CheckLaw(PetscInt count, const MpmLawInstance list[], const MpmLawInstance *law, PetscBool *known)
 {
-  const MpmLawInstance *other = FindInstance(registry.law_count, registry.laws, law->name, law->dim, law->form);
+  const MpmLawInstance *other = FindInstance(registry.law_count, registry.laws, law->name, law->kinematics, law->form);
   MpmLawInfo            info;
 
   PetscFunctionBegin;
@@ -64,10 +64,11 @@ static PetscErrorCode CheckLaw(PetscInt count, const MpmLawInstance list[], cons
   if (*known) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(!MpmLawFind(law->name, 2, MPM_FORM_RESIDUAL, &info), "law %s: there is one of this name already",
                 law->name);
-  for (PetscInt dim = 2; dim <= 3; dim++) {
+  for (int kinematics = MPM_PLANE_STRAIN; kinematics < MPM_KINEMATICS_COUNT; kinematics++) {
     for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
-      MpmCheckInput(FindInstance(count, list, law->name, dim, (MpmForm)form),
-                    "law %s: it is not compiled for %dD in the form %d", law->name, (int)dim, (int)form);
+      MpmCheckInput(FindInstance(count, list, law->name, kinematics, (MpmForm)form),
+                    "law %s: it is not compiled for %s in the form %d", law->name, MpmKinematicsName(kinematics),
+                    (int)form);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

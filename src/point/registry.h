@@ -6,13 +6,13 @@
 #include "base/types.h"
 #include "talus/talus.h"
 
-/* Finds a law by name, as compiled for a form. Returns PETSC_FALSE where there is none. */
-PetscBool MpmLawFind(const char *name, PetscInt dim, MpmForm form, MpmLawInfo *info);
+/* Finds a law by name, as compiled for a form and an MpmKinematics. Returns PETSC_FALSE where there is none. */
+PetscBool MpmLawFind(const char *name, PetscInt kinematics, MpmForm form, MpmLawInfo *info);
 /*
   Its functions in all forms. `info` is as compiled for the residual, in plain numbers: stiffness and energy, evaluated
   by steps point by point, take three times as long in the complex ones of the sensitivities.
 */
-PetscBool MpmLawFindAll(const char *name, PetscInt dim, MpmFunction law[], MpmLawInfo *info);
+PetscBool MpmLawFindAll(const char *name, PetscInt kinematics, MpmFunction law[], MpmLawInfo *info);
 /* A built-in physics with its compiled kernels. */
 PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool *found);
 /* Appends the names of all physics for scenes. */

@@ -11,9 +11,10 @@ MPM_INLINE PetscReal MpmStoredEnergy(const MpmMaterial *material, const double o
                                      const PetscReal stress[], const PetscReal state[], const PetscReal F[])
 {
   const MpmLawInfo *info = &material->info;
-  const PetscReal   J    = info->traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmDeterminant(dim, F);
-  const PetscInt    size = MpmSymSize(dim);
-  PetscReal         tau[6], bulk, shear, mean, square = 0.;
+  const PetscReal   J =
+    info->traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmDeterminant(MpmKinematicsF(material->kinematics), F);
+  const PetscInt size = MpmSymSize(dim);
+  PetscReal      tau[6], bulk, shear, mean, square = 0.;
 
   for (PetscInt k = 0; k < size; k++) tau[k] = J * stress[k];
   if (info->energy) return info->energy(own ? own : material->parameter, material->table, tau, F);

@@ -116,7 +116,7 @@ PetscErrorCode MpmStretchDerivative(MpmStrainMeasure measure, const PetscReal st
 
 PetscReal MpmVolumeStrain(MpmStrainMeasure measure, const PetscReal F[9])
 {
-  const PetscReal J = MpmDeterminant(3, F);
+  const PetscReal J = MpmDeterminant(9, F);
 
   return measure == MPM_STRAIN_LOG ? PetscLogReal(J) : J - 1.;
 }

@@ -5,7 +5,7 @@
   law's own tangent from dual numbers: as many equations as H has components. A law whose state determines its stress
   (elastic strains as state variables) keeps F = I, so that volume and domain stay those of the body, and tau = sigma.
   Such a law is evaluated in 3D even in plane strain, so that the component across the plane is met too. Any other law
-  keeps F = I + H, and tau = J sigma.
+  keeps F = I + H, and tau = J sigma, in plane strain or else in 3D.
 
   A goal outside the yield surface has no solution: the law then gets the elastic trial strain, and its return moves it.
 
@@ -55,6 +55,14 @@ static void Identity(PetscInt dim, PetscReal F[])
   for (PetscInt k = 0; k < dim * dim; k++) F[k] = k % (dim + 1) ? 0. : 1.;
 }
 
+/* Where component k of a point's F stands in the F that the law is asked with. */
+static PetscInt Place(const MpmInitial *initial, PetscInt k)
+{
+  const PetscInt dim = initial->model_dim;
+
+  return k == dim * dim ? initial->dim * initial->dim - 1 : k / dim * initial->dim + k % dim;
+}
+
 /* The displacement gradient H in full from its components. */
 static void Gradient(const MpmInitial *initial, const PetscReal h[], PetscReal H[])
 {
@@ -80,7 +88,7 @@ static int Evaluate(const MpmInitial *initial, const PetscReal state_n[], const 
   Identity(n, identity);
   Gradient(initial, h, H);
   for (PetscInt k = 0; k < N; k++) dF[k] = identity[k] + H[k];
-  J = MpmCofactors(n, dF, cofactor);
+  J = MpmCofactors(N, dF, cofactor);
   if (!(J > 0.)) return 1;
   point = Point(initial, identity, state_n);
   if (initial->kernel.tangent(&point, H, P, tangent)) return 1;
@@ -276,7 +284,7 @@ PetscErrorCode MpmInitialCreate(const MpmMaterial *material, PetscInt dim, MpmIn
              "law %s has too many history values for an initial stress", material->info.name);
   PetscCall(UseDimension(3, initial));
   PetscCall(FindWhetherItRemembers(initial));
-  if (!initial->stateful) PetscCall(UseDimension(dim, initial));
+  if (!initial->stateful && material->kinematics == MPM_PLANE_STRAIN) PetscCall(UseDimension(2, initial));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -286,7 +294,7 @@ static PetscReal Across(const MpmInitial *initial, const PetscReal F[], PetscRea
   const PetscBool small = (PetscBool)((initial->material->info.traits & MPM_LAW_SMALL_STRAIN) != 0);
 
   if (initial->dim != 2) return 0.;
-  return (wanted - found) * (small ? 1. : MpmDeterminant(2, F));
+  return (wanted - found) * (small ? 1. : MpmDeterminant(4, F));
 }
 
 int MpmInitialAcross(const MpmInitial *initial, const PetscReal F[], const PetscReal state[], const PetscReal stress[],
@@ -313,8 +321,9 @@ int MpmInitialReturn(const MpmInitial *initial, const PetscReal F[], const Petsc
   PetscReal       before[MPM_INITIAL_STATE], after[MPM_INITIAL_STATE], full[9], F_next[9], reached[SYM_MAX], flux[9];
   MpmKernelPoint  point;
 
-  Identity(dim, full);
-  for (PetscInt k = 0; k < model_dim * model_dim; k++) full[k / model_dim * dim + k % model_dim] = F[k];
+  for (PetscInt k = 0; k < dim * dim; k++) full[k] = 0.;
+  for (PetscInt a = 0; a < dim; a++) full[a * (dim + 1)] = 1.;
+  for (PetscInt k = 0; k < MpmKinematicsF(initial->material->kinematics); k++) full[Place(initial, k)] = F[k];
   CopyState(initial->material, model_dim, dim, state, before);
   point        = Point(initial, full, before);
   point.state  = initial->material->state_size ? after : NULL;
@@ -353,9 +362,11 @@ int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscRe
     if (initial->dim == 2) reached[2] = stress[2];
   }
   for (PetscInt s = 0; s < size; s++)
-    stress[s] = reached[s] * (initial->stateful ? MpmDeterminant(initial->dim, full) : 1.);
-  if (initial->stateful) Identity(dim, F);
-  else
-    for (PetscInt k = 0; k < dim * dim; k++) F[k] = full[k];
+    stress[s] = reached[s] * (initial->stateful ? MpmDeterminant(initial->dim * initial->dim, full) : 1.);
+  for (PetscInt k = 0; k < MpmKinematicsF(initial->material->kinematics); k++) {
+    const PetscInt place = Place(initial, k);
+
+    F[k] = initial->stateful ? (place % (initial->dim + 1) ? 0. : 1.) : full[place];
+  }
   return moved;
 }

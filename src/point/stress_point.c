@@ -52,7 +52,7 @@ static void Multiply(PetscInt n, const PetscReal A[], const PetscReal B[], Petsc
 static void Invert(PetscInt n, const PetscReal A[], PetscReal inverse[])
 {
   PetscReal       cofactor[9];
-  const PetscReal J = MpmCofactors(n, A, cofactor);
+  const PetscReal J = MpmCofactors(n * n, A, cofactor);
 
   for (PetscInt i = 0; i < n; i++)
     for (PetscInt j = 0; j < n; j++) inverse[i * n + j] = cofactor[j * n + i] / J;
@@ -86,7 +86,7 @@ static PetscBool MakeIncrement(const MpmStressPoint *point, const PetscReal F[9]
   Invert(n, now, increment->F_n_inverse);
   Multiply(n, next, increment->F_n_inverse, increment->dF);
   for (PetscInt k = 0; k < n * n; k++) increment->H[k] = increment->dF[k] - (k % (n + 1) ? 0. : 1.);
-  return (PetscBool)(MpmDeterminant(n, next) > 0.);
+  return (PetscBool)(MpmDeterminant(n * n, next) > 0.);
 }
 
 static MpmKernelPoint KernelPoint(const MpmStressPoint *point, const Increment *increment)
@@ -115,7 +115,9 @@ static PetscBool FindStress(const MpmStressPoint *point, const PetscReal F[9], P
   at.F      = F_next;
   at.stress = sym;
   if (point->kernel.residual(&at, increment.H, flux)) return PETSC_FALSE;
-  J = point->stress_measure == MPM_STRESS_CAUCHY || IsSmallStrain(point) ? 1. : MpmDeterminant(point->dim, F_next);
+  J = point->stress_measure == MPM_STRESS_CAUCHY || IsSmallStrain(point)
+        ? 1.
+        : MpmDeterminant(point->dim * point->dim, F_next);
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) {
     stress[s] = J * sym[s];
     if (PetscIsInfOrNanReal(stress[s])) return PETSC_FALSE;
@@ -145,9 +147,9 @@ static void Column(const MpmStressPoint *point, const Increment *increment, cons
     }
   }
   if (small || point->stress_measure == MPM_STRESS_KIRCHHOFF) return;
-  J = MpmCofactors(n, increment->dF, cofactor);
+  J = MpmCofactors(n * n, increment->dF, cofactor);
   for (PetscInt k = 0; k < n * n; k++) dJ += cofactor[k] * change[k] / J;
-  J *= MpmDeterminant(n, increment->F_n);
+  J *= MpmDeterminant(n * n, increment->F_n);
   for (PetscInt k = 0; k < n * n; k++) column[k] = (column[k] - dJ * tau[k]) / J;
 }
 
@@ -415,7 +417,7 @@ static int FindStart(const MpmStressPoint *point, const MpmInitial *initial, con
     J_before = J;
     for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) reached[s] = stress[s] / J;
     if (MpmInitialFind(initial, rest, reached, F, point->now.history, NULL) == 2) return 2;
-    if (kirchhoff) J = MpmDeterminant(point->dim, F);
+    if (kirchhoff) J = MpmDeterminant(point->dim * point->dim, F);
   } while (PetscAbsReal(J - J_before) > PETSC_MACHINE_EPSILON && ++turns < 50);
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) reached[s] *= J;
   return 0;

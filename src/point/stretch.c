@@ -4,7 +4,7 @@
 */
 #include "talus/point/law.h"
 
-#if MPM_DIRECTIONS == 0
+#if MPM_DIRECTIONS == 0 && !defined(MPM_AXISYMMETRIC)
 int MPM_INSTANCE(MpmStretchDiagonal)(const double *F, double *diagonal);
 int MPM_INSTANCE(MpmStretchDiagonal)(const double *F, double *diagonal)
 {

@@ -35,8 +35,6 @@ static void BoxOfGroups(const MpmSpace *space, const MpmCell *cell, MpmGroup *bo
 /* w_p */
 static PetscErrorCode Shares(MpmSpace *space, const MpmPoints *points)
 {
-  const PetscInt dim = space->dim;
-
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(space->point_count, &space->share));
   for (PetscInt c = 0; c < space->cell_count; c++) {
@@ -47,7 +45,7 @@ static PetscErrorCode Shares(MpmSpace *space, const MpmPoints *points)
     for (PetscInt s = begin; s < end; s++) {
       const PetscInt p = space->order[s];
 
-      space->share[p] = points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
+      space->share[p] = points->volume0[p] * MpmPointJ(points, p);
       total += space->share[p];
     }
     for (PetscInt s = begin; s < end; s++) space->share[space->order[s]] /= total;

@@ -44,23 +44,32 @@ MPM_INLINE void AddElement(const MpmKnown known, const MpmLayout *layout, const 
 
   for (PetscInt k = 0; k < N; k++) {
     for (PetscInt d = 0; d < bs; d++) {
-      const PetscInt l0    = known.solid ? d * known.dim : layout->component_first[d];
-      const PetscInt count = known.solid ? known.dim : layout->component_first[d + 1] - l0;
+      const PetscInt   l0    = known.solid ? d * known.dim : layout->by_component.first[d];
+      const PetscInt   count = known.solid ? known.dim : layout->by_component.first[d + 1] - l0;
+      PetscReal        by[MPM_MAX_INPUTS];
+      const PetscReal *phi[MPM_MAX_INPUTS];
 
-      RowSum(n, count, &D[k * N + l0], (const PetscReal *const *)&basis->basis[KnownBasis(known, layout, l0)],
-             PETSC_FALSE, &rows[k * length + d * n]);
+      for (PetscInt q = 0; q < count; q++) {
+        const PetscInt l = known.solid ? l0 + q : layout->by_component.input[l0 + q];
+
+        by[q]  = D[k * N + l];
+        phi[q] = basis->basis[KnownBasis(known, layout, l)];
+      }
+      RowSum(n, count, by, phi, PETSC_FALSE, &rows[k * length + d * n]);
     }
   }
   for (PetscInt i = 0; i < n; i++) {
     for (PetscInt c = 0; c < bs; c++) {
-      const PetscInt   first = known.solid ? c * known.dim : layout->component_first[c];
-      const PetscInt   count = known.solid ? known.dim : layout->component_first[c + 1] - first;
+      const PetscInt   first = known.solid ? c * known.dim : layout->by_component.first[c];
+      const PetscInt   count = known.solid ? known.dim : layout->by_component.first[c + 1] - first;
       PetscReal        phi[MPM_MAX_INPUTS];
       const PetscReal *row[MPM_MAX_INPUTS];
 
       for (PetscInt k = 0; k < count; k++) {
-        phi[k] = basis->basis[KnownBasis(known, layout, first + k)][i];
-        row[k] = &rows[(first + k) * length];
+        const PetscInt input = known.solid ? first + k : layout->by_component.input[first + k];
+
+        phi[k] = basis->basis[KnownBasis(known, layout, input)][i];
+        row[k] = &rows[input * length];
       }
       RowSum(length, count, phi, row, PETSC_TRUE, &element[(i * bs + c) * length]);
     }

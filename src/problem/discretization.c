@@ -126,6 +126,11 @@ const PetscInt *MpmOwnedNodes(const MpmDiscretization *disc, PetscInt *count)
   return disc->space->node;
 }
 
+PetscReal MpmNodeStiffness(const MpmDiscretization *disc, PetscReal modulus)
+{
+  return modulus * PetscPowRealInt(disc->h[0], disc->dim - 2) * MpmGridTurn(disc->grid, disc->grid->upper[0]);
+}
+
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[])
 {
   PetscInt at[MPM_MAX_DIM];

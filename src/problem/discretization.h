@@ -66,5 +66,7 @@ PetscErrorCode MpmNodesToOwners(const MpmDiscretization *disc, PetscInt block, P
 void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]);
 /* Lattice indices of the nodes that this rank owns, dim each, and their number. */
 const PetscInt *MpmOwnedNodes(const MpmDiscretization *disc, PetscInt *count);
+/* Stiffness of a node in material of a modulus, Pa: N/m, at the grid's outer edge with axial symmetry. */
+PetscReal MpmNodeStiffness(const MpmDiscretization *disc, PetscReal modulus);
 /* Frees the arrays. */
 PetscErrorCode MpmTrialReset(MpmTrial *trial);

@@ -49,10 +49,11 @@ MPM_INLINE PetscReal Stored(const PetscInt dim, const MpmDiscretization *disc)
   PetscReal     total = 0.;
 
   for (PetscInt p = 0; p < disc->points->count; p++)
-    total += disc->points->volume0[p] *
-             MpmStoredEnergy(&sum->materials[disc->points->material[p]],
-                             MpmPointOwn(disc->points, &sum->materials[disc->points->material[p]], p), dim,
-                             &disc->trial->stress[p * MpmSymSize(dim)], NULL, &disc->trial->F[p * dim * dim]);
+    total +=
+      disc->points->volume0[p] *
+      MpmStoredEnergy(&sum->materials[disc->points->material[p]],
+                      MpmPointOwn(disc->points, &sum->materials[disc->points->material[p]], p), dim,
+                      &disc->trial->stress[p * MpmSymSize(dim)], NULL, &disc->trial->F[p * disc->points->F_size]);
   return total;
 }
 

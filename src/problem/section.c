@@ -195,11 +195,11 @@ static void PlacePoint(const Pass *pass, const MpmGroup *group, PetscInt p, Pets
 static PetscReal HalfExtent(const Pass *pass, const MpmSection *section, PetscInt p)
 {
   const PetscInt  dim    = pass->sum->space->dim;
-  const PetscReal volume = pass->sum->points->volume0[p] * MpmDeterminant(dim, &pass->sum->points->F[p * dim * dim]);
+  const PetscReal extent = MpmPointExtent(pass->sum->points, dim, p);
   PetscReal       shadow = 0.;
 
   for (PetscInt a = 0; a < dim; a++) shadow += PetscAbsReal(section->axis[0][a]);
-  return 0.5 * shadow * PetscPowReal(volume, 1. / (PetscReal)dim);
+  return 0.5 * shadow * PetscPowReal(extent, 1. / (PetscReal)dim);
 }
 
 /*
@@ -369,14 +369,14 @@ static void AddArea(const Pass *pass, const MpmSection *section, const Ramp *ram
     for (PetscInt i = 0; i < n; i++)
       dF[k] += pass->u[nodes[i] * sum->block + k / dim] * pass->basis.basis[1 + k % dim][i];
   }
-  (void)MpmCofactors(dim, dF, cofactor);
+  (void)MpmCofactors(dim * dim, dF, cofactor);
   for (PetscInt k = 0; k < dim * dim; k++) {
     PetscReal slope = 0.;
 
     for (PetscInt i = 0; i < n; i++) slope += pass->ramp[k / dim * n + i] * pass->basis.basis[1 + k % dim][i];
     area += section->axis[0][k / dim] * cofactor[k] * slope;
   }
-  area *= sum->points->volume0[p] * MpmDeterminant(dim, &sum->points->F[p * dim * dim]);
+  area *= sum->points->volume0[p] * MpmPointJ(sum->points, p);
   PlacePoint(pass, group, p, y);
   sums[SUM_AREA] += area;
   for (PetscInt a = 0; a < dim; a++) sums[SUM_PLACE + a] += area * (y[a] - ramp->origin[a]);

@@ -10,6 +10,11 @@
 #include "query/query.h"
 #include "query/scene.h"
 
+const char *MpmKindText(const MpmModel model)
+{
+  return model->scene.kinematics == MPM_AXISYMMETRY ? "axisymmetric" : model->disc.dim == 2 ? "2D" : "3D";
+}
+
 PetscBool MpmStagesAreGeostatic(const MpmModel model)
 {
   for (PetscInt k = 0; k < model->scene.stage_count; k++)

@@ -7,6 +7,8 @@
 #include "talus/talus.h"
 #include "query/scene.h"
 
+/* "2D", "3D" or "axisymmetric". */
+const char *MpmKindText(const MpmModel model);
 /* True where any stage changes a point's weight per stress-free volume. */
 PetscBool MpmStagesKeepMass(const MpmModel model);
 PetscBool MpmStagesAreGeostatic(const MpmModel model);

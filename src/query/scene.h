@@ -136,6 +136,7 @@ typedef struct {
   char            *title, *prefix;
   MpmPhysics       physics;
   MpmPhysics       plain; /* physics that `physics` has replaced for F-bar, where surfaces need it */
+  MpmKinematics    kinematics;
   MpmStretch       stretch;
   MpmShapeType     shape;
   MpmEdgeType      edge;

@@ -72,7 +72,7 @@ PetscErrorCode MpmSurfacesAdd(MpmModel model)
   if (!model->scene.surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->disc.layout->means) {
     PetscCall(MpmPhysicsCreate(model->scene.physics.name, &model->scene.plain, &found));
-    kernel = found ? &model->scene.plain.kernels[model->disc.dim] : kernel;
+    kernel = found ? &model->scene.plain.kernels[model->scene.kinematics] : kernel;
   }
   PetscCall(MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces,
                                          &model->state.loads[model->scene.loads->count], kernel));

@@ -56,11 +56,11 @@ static void CarryState(const MpmMaterial *from, const MpmMaterial *to, PetscInt 
 static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial *initial, MpmPoints *points, PetscInt p)
 {
   const PetscInt dim = model->disc.dim, size = model->state.particles->state_size;
-  PetscReal state_n[MPM_INITIAL_STATE], state[MPM_INITIAL_STATE], *F = &points->F[p * dim * dim], J, U[MPM_MAX_DIM];
-  int       answer;
+  PetscReal      state_n[MPM_INITIAL_STATE], state[MPM_INITIAL_STATE], *F = MpmPointF(points, p), J, U[MPM_MAX_DIM];
+  int            answer;
 
   if (model->scene.stretch(F, U)) return 2;
-  J = MpmDeterminant(dim, F);
+  J = MpmPointJ(points, p);
   CarryState(old, initial->material, dim, size ? &points->state[p * size] : NULL, state_n);
   answer = MpmInitialFind(initial, state_n, &points->stress[p * model->state.particles->stress_size], F, state,
                           points->across ? &points->across[p] : NULL);
@@ -69,7 +69,7 @@ static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial 
   for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] *= U[a];
   if (model->scene.stretch(F, U)) return 2;
   for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] /= U[a];
-  points->volume0[p] *= J / MpmDeterminant(dim, F);
+  points->volume0[p] *= J / MpmPointJ(points, p);
   return answer;
 }
 
@@ -78,20 +78,18 @@ static int ChangeOne(MpmModel model, const MpmMaterial *old, const double before
                      MpmPoints *points, PetscInt p, PetscReal rest[7])
 {
   const MpmMaterial *material = initial->material;
-  const PetscInt     dim = model->disc.dim, size = model->state.particles->stress_size;
-  const PetscInt     states  = model->state.particles->state_size;
+  const PetscInt     size     = model->state.particles->stress_size;
+  const PetscInt     states   = model->state.particles->state_size;
   const PetscReal    density = MpmMaterialDensity(old, before), mass = points->mass[p];
   PetscReal         *stress = &points->stress[p * size], now[6] = {0.};
   int                answer = 0;
 
   for (PetscInt c = 0; c < size; c++) rest[1 + c] = now[c] = stress[c];
   if (density > 0.) points->mass[p] *= MpmMaterialDensity(material, initial->own) / density;
-  else
-    points->mass[p] =
-      MpmMaterialDensity(material, initial->own) * points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
+  else points->mass[p] = MpmMaterialDensity(material, initial->own) * points->volume0[p] * MpmPointJ(points, p);
   rest[0] = points->mass[p] > 0. ? mass / points->mass[p] - 1. : 0.;
   if (SameElasticity(old, before, material, initial->own))
-    (void)MpmInitialReturn(initial, &points->F[p * dim * dim], states ? &points->state[p * states] : NULL, now);
+    (void)MpmInitialReturn(initial, MpmPointF(points, p), states ? &points->state[p * states] : NULL, now);
   else {
     answer = ChangePoint(model, old, initial, points, p);
     for (PetscInt c = 0; c < size; c++) now[c] = stress[c];

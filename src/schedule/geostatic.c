@@ -34,7 +34,7 @@ static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *res
   PetscCall(PetscMemzero(rest, sizeof(*rest)));
   rest->n = points->count;
   PetscCall(PetscMalloc4((rest->n * dim), &rest->x, rest->n, &rest->volume, (rest->n * dim), &rest->domain,
-                         (rest->n * dim * dim), &rest->F));
+                         (rest->n * points->F_size), &rest->F));
   PetscCall(PetscMalloc4(rest->n, &rest->mass, (rest->n * rates), &rest->value, (rest->n * rates * dim),
                          &rest->value_gradient, (rest->n * own), &rest->own));
   PetscCall(PetscArraycpy(rest->value, points->value, rest->n * rates));
@@ -45,12 +45,12 @@ static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *res
   PetscCall(PetscCalloc1(model->scene.materials->count, &rest->stateful));
   for (PetscInt k = 0; k < 2 * MPM_MAX_DIM; k++) reach[k] = PETSC_NINFINITY;
   for (PetscInt p = 0; p < rest->n; p++) {
-    const PetscReal *F = &points->F[p * dim * dim];
+    const PetscReal *F = MpmPointF(points, p);
     PetscReal        U[MPM_MAX_DIM];
 
     PetscCheck(!model->scene.stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch",
                points->id[p]);
-    rest->volume[p] = points->volume0[p] * MpmDeterminant(dim, F);
+    rest->volume[p] = points->volume0[p] * MpmPointJ(points, p);
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal x = points->x[p * dim + a];
 
@@ -121,7 +121,7 @@ static PetscErrorCode PutBack(MpmModel model, MpmRest *rest)
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < rest->n; p++) {
-    PetscReal *F = &points.F[p * dim * dim], *stress = &points.stress[p * size], U[MPM_MAX_DIM], distance = 0.;
+    PetscReal *F = MpmPointF(&points, p), *stress = &points.stress[p * size], U[MPM_MAX_DIM], distance = 0.;
 
     for (PetscInt a = 0; a < dim; a++) {
       distance += PetscSqr(points.x[p * dim + a] - rest->x[p * dim + a]);
@@ -129,14 +129,14 @@ static PetscErrorCode PutBack(MpmModel model, MpmRest *rest)
     }
     largest[0] = PetscMax(largest[0], PetscSqrtReal(distance));
     if (rest->stateful[points.material[p]]) {
-      const PetscReal J = MpmDeterminant(dim, F) / MpmDeterminant(dim, &rest->F[p * dim * dim]);
+      const PetscReal J = MpmPointJ(&points, p) / MpmDeterminant(points.F_size, &rest->F[p * points.F_size]);
 
-      for (PetscInt k = 0; k < dim * dim; k++) F[k] = rest->F[p * dim * dim + k];
+      for (PetscInt k = 0; k < points.F_size; k++) F[k] = rest->F[p * points.F_size + k];
       for (PetscInt c = 0; c < size; c++) stress[c] *= J;
     } else {
       PetscCheck(!model->scene.stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch",
                  points.id[p]);
-      points.volume0[p] = rest->volume[p] / MpmDeterminant(dim, F);
+      points.volume0[p] = rest->volume[p] / MpmPointJ(&points, p);
       for (PetscInt a = 0; a < dim; a++) points.half_length[p * dim + a] = rest->domain[p * dim + a] / U[a];
     }
     for (PetscInt c = 0; rest->start && c < size; c++)

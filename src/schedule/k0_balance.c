@@ -66,14 +66,14 @@ static int SetStress(MpmModel model, const MpmInitial *initial, const MpmRest *r
                      PetscReal stress[])
 {
   const PetscInt dim = model->disc.dim, size = model->state.particles->state_size, own = initial->material->state_size;
-  PetscReal      state[MPM_INITIAL_STATE], U[MPM_MAX_DIM], *F                          = &points->F[p * dim * dim];
+  PetscReal      state[MPM_INITIAL_STATE], U[MPM_MAX_DIM], *F                          = MpmPointF(points, p);
   const int      answer = MpmInitialFind(initial, size ? &points->state[p * size] : NULL, stress, F, state,
                                     points->across ? &points->across[p] : NULL);
 
   if (answer == 2 || model->scene.stretch(F, U)) return 2;
   for (PetscInt k = 0; k < own; k++) points->state[p * size + k] = state[k];
   for (PetscInt a = 0; a < dim; a++) points->half_length[p * dim + a] = rest->domain[p * dim + a] / U[a];
-  points->volume0[p] = rest->volume[p] / MpmDeterminant(dim, F);
+  points->volume0[p] = rest->volume[p] / MpmPointJ(points, p);
   for (PetscInt c = 0; c < model->state.particles->stress_size; c++)
     points->stress[p * model->state.particles->stress_size + c] = stress[c];
   return answer;
@@ -224,11 +224,11 @@ static PetscErrorCode CorrectSmallStrain(MpmModel model, MpmRest *rest, PetscRea
     PetscCall(SetStresses(model, rest, stress, &without));
     PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
     for (PetscInt p = 0; p < rest->n; p++) {
-      const PetscReal *F = &points.F[p * dim * dim];
+      const PetscReal *F = MpmPointF(&points, p);
 
       if (!IsSmallStrain(model, points.material[p])) continue;
       for (PetscInt c = 0; c < size; c++)
-        stress[p * size + c] = goal[p * size + c] * MpmDeterminant(dim, F) / F[v * (dim + 1)];
+        stress[p * size + c] = goal[p * size + c] * MpmPointJ(&points, p) / F[v * (dim + 1)];
     }
     PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   }
@@ -256,13 +256,13 @@ typedef struct {
 
 static PetscErrorCode BalanceCreate(Balance *balance)
 {
-  MpmModel       model = balance->model;
-  const PetscInt dim   = model->disc.dim;
+  MpmModel model = balance->model;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc4(model->scene.materials->count, &balance->auxiliaries, (balance->rest->n * dim * dim),
-                         &balance->F, balance->rest->n, &balance->volume0,
-                         (balance->rest->n * (model->state.particles->stress_size + 1)), &balance->history));
+  PetscCall(PetscMalloc4(model->scene.materials->count, &balance->auxiliaries,
+                         (balance->rest->n * model->state.particles->F_size), &balance->F, balance->rest->n,
+                         &balance->volume0, (balance->rest->n * (model->state.particles->stress_size + 1)),
+                         &balance->history));
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
     MpmMaterial *auxiliary = &balance->auxiliaries[m];
 
@@ -270,8 +270,8 @@ static PetscErrorCode BalanceCreate(Balance *balance)
     auxiliary->state_size = 0; /* a step would write it */
     auxiliary->table      = NULL;
     auxiliary->varies     = NULL;
-    PetscCheck(MpmLawFindAll("k0_law", dim, auxiliary->law, &auxiliary->info), PETSC_COMM_SELF, PETSC_ERR_PLIB,
-               "law k0 is not compiled");
+    PetscCheck(MpmLawFindAll("k0_law", model->scene.kinematics, auxiliary->law, &auxiliary->info), PETSC_COMM_SELF,
+               PETSC_ERR_PLIB, "law k0 is not compiled");
     PetscCall(PetscMalloc1(auxiliary->info.parameter_count, &auxiliary->parameter));
     auxiliary->stiffness = auxiliary->penalty = BALANCE_MODULUS * balance->rest->largest;
     PetscCall(PetscArraycpy(auxiliary->parameter,
@@ -295,7 +295,7 @@ static PetscErrorCode ProblemCreate(Balance *balance)
   MpmModelExchange(model, &balance->problem);
   PetscCall(MpmDiscretizationCreate(model->comm, own->disc.grid, own->disc.layout, &model->disc));
   PetscCall(MpmDiscretizationSize(&model->disc));
-  model->disc.diagonal = balance->auxiliaries[0].stiffness * PetscPowRealInt(own->disc.h[0], model->disc.dim - 2);
+  model->disc.diagonal = MpmNodeStiffness(&model->disc, balance->auxiliaries[0].stiffness);
   PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.bodies,
                                    model->scene.pairs, model->state.placements,
                                    model->state.particles->stress_size + 1));
@@ -352,8 +352,10 @@ static PetscErrorCode TakeShape(Balance *balance)
     const PetscBool small = IsSmallStrain(model, points.material[p]);
 
     balance->volume0[p] = small ? points.volume0[p] : balance->rest->volume[p];
-    for (PetscInt k = 0; k < dim * dim; k++)
-      balance->F[p * dim * dim + k] = small ? points.F[p * dim * dim + k] : k % (dim + 1) ? 0. : 1.;
+    for (PetscInt k = 0; k < points.F_size; k++)
+      balance->F[p * points.F_size + k] = small                             ? points.F[p * points.F_size + k]
+                                          : k % (dim + 1) && k != dim * dim ? 0.
+                                                                            : 1.;
   }
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);

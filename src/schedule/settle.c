@@ -56,7 +56,7 @@ static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
     const PetscReal   *state    = points.state ? &points.state[p * model->disc.sum->state_size] : NULL;
 
     slowest = PetscMin(slowest, MpmMaterialWaveSpeed(material, MpmPointOwn(&points, material, p), dim, state,
-                                                     &points.F[p * dim * dim], &points.stress[p * MpmSymSize(dim)]));
+                                                     MpmPointF(&points, p), &points.stress[p * MpmSymSize(dim)]));
   }
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &slowest, 1, MPIU_REAL, MPIU_MIN, model->comm));

@@ -206,7 +206,7 @@ static PetscErrorCode FindSoftness(MpmModel model, const MpmPoints *points, Pets
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &materials[points->material[p]];
     const double      *own      = MpmPointOwn(points, material, p);
-    const PetscReal   *state = size ? &points->state[p * size] : NULL, *F = &points->F[p * dim * dim];
+    const PetscReal   *state = size ? &points->state[p * size] : NULL, *F = MpmPointF(points, p);
     PetscReal          modulus = 3. * MpmMaterialShearModulusAt(material, own, state, F);
 
     if (!(modulus > 0.)) modulus = MpmMaterialStiffnessAt(material, own, state, F);
@@ -250,7 +250,7 @@ static PetscErrorCode FindTops(MpmModel model, const MpmPoints *points, PetscRea
     const PetscReal y = points->x[p * dim + axis] * (PetscReal)up;
     PetscReal       half, *highest;
 
-    PetscCheck(!model->scene.stretch(&points->F[p * dim * dim], U), PETSC_COMM_SELF, PETSC_ERR_FP,
+    PetscCheck(!model->scene.stretch(MpmPointF(points, p), U), PETSC_COMM_SELF, PETSC_ERR_FP,
                "point %" PetscInt_FMT " has no stretch", points->id[p]);
     half     = points->half_length[p * dim + axis] * U[axis];
     reach[0] = PetscMax(reach[0], y + half);

@@ -18,7 +18,7 @@ static PetscReal Contact(const MpmSolver *solver)
   PetscReal                modulus = 0.;
 
   for (PetscInt m = 0; m < disc->material_count; m++) modulus = PetscMax(modulus, disc->sum->materials[m].penalty);
-  return MpmTermsFirmness(disc->terms) * modulus * PetscPowRealInt(disc->h[0], disc->dim - 2);
+  return MpmNodeStiffness(disc, MpmTermsFirmness(disc->terms) * modulus);
 }
 
 #define BODY_IMBALANCE 1e-12 /* of a body's loads */

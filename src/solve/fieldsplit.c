@@ -123,8 +123,7 @@ static PetscErrorCode GroupMass(const MpmSum *sum, const MpmGroup *group, PetscR
     const PetscInt     p        = sum->space->order[s];
     const PetscReal   *state    = points->state ? &points->state[p * sum->state_size] : NULL;
     const MpmMaterial *material = &sum->materials[points->material[p]];
-    const PetscReal    M =
-      MpmMaterialStiffness(material, MpmPointOwn(points, material, p), state, &points->F[p * dim * dim]);
+    const PetscReal  M = MpmMaterialStiffness(material, MpmPointOwn(points, material, p), state, MpmPointF(points, p));
     const PetscReal *phi = work->basis.basis[basis];
 
     MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);

@@ -27,7 +27,7 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->parameter         = own ? own : material->parameter;
   point->physics_parameter = MpmMaterialPhysicsValues(material, own);
   point->state_n           = points->state ? &points->state[p * sum->state_size] : NULL;
-  point->F_n               = &points->F[p * dim * dim];
+  point->F_n               = MpmPointF(points, p);
   point->own_n             = points->own ? &points->own[p * sum->own_size] : NULL;
   point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;
   point->deviation_n       = sum->deviation_n ? &sum->deviation_n[p * sum->layout->deviations] : NULL;
@@ -56,7 +56,7 @@ MPM_INLINE void MpmSumTrial(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
 
   if (!trial) return;
   if (sum->own_size) point->own = &trial->own[p * sum->own_size];
-  point->F      = &trial->F[p * dim * dim];
+  point->F      = &trial->F[p * sum->points->F_size];
   point->stress = &trial->stress[p * MpmSymSize(dim)];
   if (sum->materials[sum->points->material[p]].state_size) point->state = &trial->state[p * sum->state_size];
 }

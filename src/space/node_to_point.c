@@ -8,7 +8,7 @@
 static void IncrementGradient(PetscInt dim, const PetscReal F_n[], const PetscReal F[], PetscReal gradient[])
 {
   PetscReal       cofactor[MPM_MAX_DIM * MPM_MAX_DIM];
-  const PetscReal det = MpmCofactors(dim, F, cofactor);
+  const PetscReal det = MpmCofactors(dim * dim, F, cofactor);
 
   for (PetscInt i = 0; i < dim; i++) {
     for (PetscInt j = 0; j < dim; j++) {
@@ -80,7 +80,7 @@ static void KeepValues(const MpmSum *sum, const MpmGroup *group, PetscInt p, con
       for (PetscInt k = 0; k < n; k++) dF[i * dim + j] += work->basis.basis[1 + j][k] * values[i * n + k];
     }
   }
-  det = MpmCofactors(dim, dF, cofactor);
+  det = MpmCofactors(dim * dim, dF, cofactor);
   for (PetscInt r = 0; r < rates; r++) {
     const PetscInt    c  = layout->rate_component[r];
     PetscReal *const *by = &work->basis.basis[layout->shape_of[c] * MPM_BASES + 1];
@@ -114,14 +114,14 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
     MpmFetch(points->x, ahead, dim);
     if (points->increment) {
       MpmFetch(points->increment, ahead, MPM_INCREMENT(dim));
-      MpmFetch(points->F, ahead, dim * dim);
-      MpmFetch(sum->trial->F, ahead, dim * dim);
+      MpmFetch(points->F, ahead, points->F_size);
+      MpmFetch(sum->trial->F, ahead, points->F_size);
     }
     Interpolate(known, sum, p, values, field);
     for (PetscInt a = 0; a < dim; a++) points->x[p * dim + a] += field[a];
     if (!known.solid && points->value) KeepValues(sum, group, p, field, values, work);
     if (points->increment)
-      KeepIncrement(dim, field, &points->F[p * dim * dim], &sum->trial->F[p * dim * dim],
+      KeepIncrement(dim, field, MpmPointF(points, p), &sum->trial->F[p * points->F_size],
                     &points->increment[p * MPM_INCREMENT(dim)]);
   }
   return PETSC_SUCCESS;
@@ -135,8 +135,7 @@ static void AddAcross(const MpmSum *sum)
   for (PetscInt p = 0; points->across && p < points->count; p++) {
     const unsigned traits = sum->materials[points->material[p]].info.traits;
 
-    points->stress[4 * p + 2] +=
-      points->across[p] / (traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmDeterminant(2, &points->F[4 * p]));
+    points->stress[4 * p + 2] += points->across[p] / (traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmPointJ(points, p));
   }
 }
 
@@ -147,7 +146,7 @@ static PetscErrorCode KeepTrial(const MpmSum *sum)
   const PetscInt   dim    = sum->space->dim;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * dim * dim));
+  PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * points->F_size));
   PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * MpmSymSize(dim)));
   AddAcross(sum);
   PetscCall(PetscArraycpy(points->own, sum->trial->own, points->count * sum->own_size));

@@ -157,7 +157,7 @@ static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoin
 {
   const MpmGrid  *grid = rules->grid;
   const PetscInt  dim = space->dim, shift = MpmSpaceShift(space, points->part, p);
-  const PetscReal volume             = points->volume0[p] * MpmDeterminant(dim, &points->F[p * dim * dim]);
+  const PetscReal volume             = MpmPointExtent(points, dim, p);
   const PetscReal cube               = space->half ? 0. : 0.5 * PetscPowReal(PetscMax(volume, 0.), 1. / (PetscReal)dim);
   PetscInt        first[MPM_MAX_DIM] = {0, 0, 0}, count[MPM_MAX_DIM] = {1, 1, 1}, piece[MPM_MAX_DIM] = {0, 0, 0};
   Overlap         overlap[MPM_MAX_DIM];

@@ -37,7 +37,7 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
   const MpmKnown  known = {.dim    = layout->dim,
                            .block  = layout->block,
                            .inputs = layout->inputs,
-                           .biot   = layout->biot,
+                           .biot   = (PetscBool)(layout->biot && layout->kinematics != MPM_AXISYMMETRY),
                            .count  = {count[0], count[1], count[2]},
                            .n      = group->node_count};
   return known;
@@ -110,7 +110,9 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
   do { \
     const PetscInt *const count_ = (group)->count; \
     const PetscInt        most_  = PetscMax(PetscMax(count_[0], count_[1]), count_[2]); \
-    switch ((layout)->solid && most_ <= 4 ? (count_[2] * 5 + count_[1]) * 5 + count_[0] : -1) { \
+    switch ((layout)->solid && (layout)->kinematics != MPM_AXISYMMETRY && most_ <= 4 \
+              ? (count_[2] * 5 + count_[1]) * 5 + count_[0] \
+              : -1) { \
       MPM_CASES_2D(f, __VA_ARGS__); \
       MPM_CASES_3D(f, __VA_ARGS__); \
     default: \
@@ -130,7 +132,9 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
   do { \
     const PetscInt *const nodes_ = (group)->count; \
     const PetscInt        size_  = PetscMax(PetscMax(nodes_[0], nodes_[1]), nodes_[2]); \
-    switch ((layout)->biot && size_ <= 3 ? (((layout)->dim * 5 + nodes_[2]) * 5 + nodes_[1]) * 5 + nodes_[0] : -1) { \
+    switch ((layout)->biot && (layout)->kinematics != MPM_AXISYMMETRY && size_ <= 3 \
+              ? (((layout)->dim * 5 + nodes_[2]) * 5 + nodes_[1]) * 5 + nodes_[0] \
+              : -1) { \
       MPM_BIOT_CASES_2D(f, __VA_ARGS__); \
       MPM_BIOT_CASES_3D(f, __VA_ARGS__); \
     default: \
@@ -141,8 +145,9 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
 
 /* Calls f(N, ...) with the number of inputs, a constant for a solid. */
 #define MPM_DISPATCH_INPUTS(layout, f, ...) \
-  PetscCall((layout)->solid ? (layout)->dim == 2 ? f(4, __VA_ARGS__) : f(9, __VA_ARGS__) \
-                            : f((layout)->inputs, __VA_ARGS__))
+  PetscCall((layout)->solid && (layout)->kinematics != MPM_AXISYMMETRY \
+              ? (layout)->dim == 2 ? f(4, __VA_ARGS__) : f(9, __VA_ARGS__) \
+              : f((layout)->inputs, __VA_ARGS__))
 
 /* Room for one group's work: nodal values and forces by component, and the basis functions of one point. */
 typedef struct {
@@ -237,7 +242,7 @@ MPM_INLINE void MpmSumFetch(const MpmKnown known, const MpmSum *sum, PetscInt s)
 
   MpmFetch(sum->space->shape[0].weight, p, row);
   MpmFetch(sum->space->shape[0].gradient, p, row);
-  MpmFetch(sum->points->F, p, known.dim * known.dim);
+  MpmFetch(sum->points->F, p, known.solid ? known.dim * known.dim : sum->points->F_size);
   MpmFetch(sum->points->volume0, p, 1);
 }
 
@@ -302,6 +307,9 @@ MPM_INLINE void MpmSumBasis(const MpmKnown known, const MpmSpace *space, PetscIn
                             const MpmBasis *basis)
 {
   MpmShapeBasis(known, space, 0, point, weights, basis->basis);
+  if (!known.solid && !known.biot && space->shape[0].hoop)
+    for (PetscInt i = 0; i < known.n; i++)
+      basis->basis[MPM_HOOP_BASIS][i] = space->shape[0].hoop[point] * basis->basis[0][i];
   if (known.biot) {
     MpmShapeDeviation(known, space, 0, point, basis->basis[0], basis->basis[MPM_DEVIATION(known.dim)]);
     return;

@@ -17,6 +17,7 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   for (PetscInt k = 0; k < space->shape_count; k++) {
     PetscCall(PetscFree3(space->shape[k].weight, space->shape[k].gradient, space->shape[k].mean));
     PetscCall(PetscFree2(space->shape[k].cross, space->shape[k].slope));
+    PetscCall(PetscFree(space->shape[k].hoop));
   }
   PetscCall(PetscFree(space->half));
   PetscCall(MpmExtensionReset(&space->extension));
@@ -241,6 +242,7 @@ static PetscErrorCode MoveWeights(MpmSpace *space, PetscInt from, PetscInt to)
   PetscFunctionBeginUser;
   PetscCall(PetscArraymove(&space->first[to * space->dim], &space->first[from * space->dim], space->dim));
   PetscCall(PetscArraymove(&space->count[to * space->dim], &space->count[from * space->dim], space->dim));
+  if (space->shape[0].hoop) space->shape[0].hoop[to] = space->shape[0].hoop[from];
   for (PetscInt k = 0; k < space->shape_count; k++) {
     PetscReal *const of[] = {space->shape[k].weight, space->shape[k].gradient};
 

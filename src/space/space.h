@@ -37,6 +37,7 @@ typedef struct {
 */
 typedef struct {
   PetscReal *weight, *gradient, *mean, *cross, *slope;
+  PetscReal *hoop; /* of each point, 1 over its radius, 1/m: of the first shape; NULL without axial symmetry */
 } MpmWeights;
 
 /*
@@ -181,7 +182,8 @@ PetscErrorCode MpmSpaceToGhosts(const MpmSpace *space, PetscInt block, PetscReal
 PetscErrorCode MpmSpaceAddToOwners(const MpmSpace *space, PetscInt block, PetscReal local[]);
 /*
   The weights and derivatives of one point at its group's nodes, shape by shape: basis[0] weights, basis[1..dim]
-  derivatives by x, y, z, basis[dim + 1] weights less their means over the cell; each of node_count values, x fastest.
+  derivatives by x, y, z, basis[dim + 1] weights less their means over the cell, and in the first shape, with axial symmetry,
+  basis[MPM_HOOP_BASIS] weights over the radius; each of node_count values, x fastest.
 */
 typedef struct {
   PetscReal *basis[MPM_MAX_SHAPES * MPM_BASES];

@@ -63,7 +63,7 @@ PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, Pe
   const PetscReal *x    = &points->x[p * dim];
   PetscInt         lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
   PetscReal        U[MPM_MAX_DIM] = {1., 1., 1.};
-  const PetscBool  good           = (PetscBool)!rules->stretch(&points->F[p * dim * dim], U);
+  const PetscBool  good           = (PetscBool)!rules->stretch(MpmPointF(points, p), U);
 
   MpmSpaceEdges(rules, x, lower, upper);
   for (PetscInt a = 0; a < dim; a++) {
@@ -125,12 +125,12 @@ static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscRea
   for (PetscInt k = 0; k < NUMBERS; k++) most[k] = 0.;
   for (PetscInt from = 0; from < points->count; from += BLOCK) {
     const PetscInt   count  = BlockPlace(rules, points, from, &block);
-    const PetscReal *length = &points->half_length[from * dim], *F = &points->F[from * dim * dim];
+    const PetscReal *length = &points->half_length[from * dim], *F = MpmPointF(points, from);
     PetscReal       *to = &half[from * dim];
 
     for (PetscInt k = 0; k < count * dim; k++) U[k] = 1.;
     for (PetscInt p = 0; p < count; p++)
-      if (rules->stretch(&F[p * dim * dim], &U[p * dim])) *longest = PETSC_INFINITY;
+      if (rules->stretch(&F[p * points->F_size], &U[p * dim])) *longest = PETSC_INFINITY;
     for (PetscInt k = 0; k < count * dim; k++) {
       to[k]   = Clipped(rules, length[k] * U[k] / block.h[k], block.xi[k], block.first[k], block.last[k]);
       most[k] = PetscMax(most[k], to[k]);
@@ -209,6 +209,25 @@ static void AverageBlock(const MpmRules *rules, const Shape *shape, const Block 
   }
 }
 
+/* Along the radius, with axial symmetry. */
+static void AverageByVolume(const MpmRules *rules, const Shape *shape, const Block *block, PetscInt count,
+                            const PetscReal half[], const MpmShapeLines *lines)
+{
+  const MpmGrid *grid = rules->grid;
+
+  for (PetscInt k = 0; k < count; k += grid->dim) {
+    const MpmShapeLine line = {.first    = lines->first[k],
+                               .count    = lines->count[k],
+                               .weight   = &lines->weight[k * lines->width],
+                               .gradient = &lines->gradient[k * lines->width]};
+
+    const MpmRadialPlace at = {block->xi[k], half[k], block->xi[k] + grid->lower[0] / grid->h[0], block->first[k],
+                               block->last[k]};
+
+    MpmShapeAverageByVolume(shape->type, rules->edge, &at, &line);
+  }
+}
+
 static PetscErrorCode EvaluateLines(const MpmRules *rules, const MpmPoints *points, const Shape *shape,
                                     const PetscReal half[], Lines *lines)
 {
@@ -222,7 +241,7 @@ static PetscErrorCode EvaluateLines(const MpmRules *rules, const MpmPoints *poin
   PetscCall(PetscMalloc3((count * width), &values->weight, (count * width), &values->gradient,
                          (lines->mean ? count * width : 0), &values->mean));
   if (!lines->mean) values->mean = NULL;
-  values->cross = values->slope = NULL;
+  values->cross = values->slope = values->hoop = NULL;
   if (rules->smooth > 0.) PetscCall(PetscMalloc2((count * width), &values->cross, (count * width), &values->slope));
   PetscCall(PetscMalloc1((BLOCK * dim * width), &h));
   BlockCreate(rules, &block);
@@ -242,6 +261,7 @@ static PetscErrorCode EvaluateLines(const MpmRules *rules, const MpmPoints *poin
     }
 
     EvaluateBlock(rules, shape, &block, here, half ? &half[k] : NULL, &to);
+    if (rules->grid->axial && half && shape->spacing == 1) AverageByVolume(rules, shape, &block, here, &half[k], &to);
     for (PetscInt i = 0; i < here * width; i++) to.gradient[i] /= h[i];
     for (PetscInt i = 0; to.slope && i < here * width; i++) to.slope[i] /= h[i];
     if (lines->mean) AverageBlock(rules, shape, &block, here, half ? &half[k] : NULL, &to, &values->mean[k * width]);
@@ -308,6 +328,8 @@ static PetscBool ListShapes(const MpmRules *rules, PetscReal longest, Shape shap
   return (PetscBool)(sum <= MPM_MAX_WIDTH);
 }
 
+#define LEAST_RADIUS 1e-12 /* of a cell: for a point on the axis itself, where a radius is divided by */
+
 PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, const MpmPoints *points,
                                       PetscInt **box_first, PetscInt **box_count, MpmOutcome *outcome)
 {
@@ -335,15 +357,21 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
   }
   for (PetscInt s = 0; s < space->shape_count; s++)
     PetscCall(EvaluateLines(rules, points, &shapes[s], space->half, &lines[s]));
+  if (rules->grid->axial) {
+    PetscCall(PetscMalloc1(points->count, &space->shape[0].hoop));
+    for (PetscInt p = 0; p < points->count; p++)
+      space->shape[0].hoop[p] = 1. / PetscMax(points->x[p * dim], LEAST_RADIUS * rules->grid->h[0]);
+  }
   space->first = lines[0].first;
   space->count = lines[0].count;
   if (space->shape_count > 1) {
     PetscCall(Unite(space, points->count * dim, lines, box_first, box_count));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  space->width    = lines[0].width;
-  space->shape[0] = lines[0].values;
-  *box_first      = space->first;
-  *box_count      = space->count;
+  space->width         = lines[0].width;
+  lines[0].values.hoop = space->shape[0].hoop;
+  space->shape[0]      = lines[0].values;
+  *box_first           = space->first;
+  *box_count           = space->count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -32,7 +32,8 @@ static const PetscInt component[MPM_CHANGE_FIELDS - 1] = {0, 1, 3, 2, 4, 5};
 PetscInt MpmChangeFieldCount(const MpmModel model)
 {
   for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].change) return model->disc.dim == 2 ? 4 : MPM_CHANGE_FIELDS;
+    if (model->scene.stages[k].change)
+      return model->disc.dim == 3 ? MPM_CHANGE_FIELDS : model->scene.kinematics == MPM_AXISYMMETRY ? 5 : 4;
   return 0;
 }
 

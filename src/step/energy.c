@@ -43,12 +43,12 @@ MPM_INLINE PetscReal Elastic(const PetscInt dim, const MpmModel model, const Mpm
 
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &model->scene.materials->at[points->material[p]];
-    const PetscReal   *F        = &points->F[p * dim * dim];
+    const PetscReal   *F        = MpmPointF(points, p);
     PetscReal          stress[6];
 
     for (PetscInt c = 0; c < sym; c++) stress[c] = points->stress[p * sym + c];
     if (points->across) /* does no work, and is none of the law's */
-      stress[2] -= points->across[p] / (material->info.traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmDeterminant(dim, F));
+      stress[2] -= points->across[p] / (material->info.traits & MPM_LAW_SMALL_STRAIN ? 1. : MpmPointJ(points, p));
     sum += points->volume0[p] * MpmStoredEnergy(material, MpmPointOwn(points, material, p), dim, stress,
                                                 points->state ? &points->state[p * size] : NULL, F);
   }
@@ -111,7 +111,7 @@ MPM_INLINE void MiddleStrain(PetscInt dim, const PetscReal A[], const PetscReal 
   PetscReal half[MPM_MAX_DIM * MPM_MAX_DIM], cofactor[MPM_MAX_DIM * MPM_MAX_DIM], by;
 
   for (PetscInt k = 0; k < dim * dim; k++) half[k] = 0.5 * (A[k] + B[k]);
-  by = 1. / MpmCofactors(dim, half, cofactor);
+  by = 1. / MpmCofactors(dim * dim, half, cofactor);
   for (PetscInt i = 0; i < dim; i++) {
     for (PetscInt j = 0; j < dim; j++) {
       d[i * dim + j] = 0.;
@@ -132,16 +132,18 @@ MPM_INLINE PetscReal Internal(const PetscInt dim, const MpmModel model)
   for (PetscInt p = 0; p < points->count; p++) {
     const unsigned   traits = model->scene.materials->at[points->material[p]].info.traits;
     const PetscBool  small  = (PetscBool)(traits & MPM_LAW_SMALL_STRAIN ? 1 : 0);
-    const PetscReal *A = &points->F[p * square], *B = &trial->F[p * square];
+    const PetscReal *A = MpmPointF(points, p), *B = &trial->F[p * points->F_size];
     PetscReal        d[MPM_MAX_DIM * MPM_MAX_DIM], mean[6];
-    const PetscReal  before = 0.5 * (small ? 1. : MpmDeterminant(dim, A)),
-                    after   = 0.5 * (small ? 1. : MpmDeterminant(dim, B));
+    const PetscReal  before = 0.5 * (small ? 1. : MpmDeterminant(points->F_size, A)),
+                    after   = 0.5 * (small ? 1. : MpmDeterminant(points->F_size, B));
 
     for (PetscInt k = 0; k < sym; k++)
       mean[k] = before * points->stress[p * sym + k] + after * trial->stress[p * sym + k];
     if (!small) MiddleStrain(dim, A, B, d);
     for (PetscInt k = 0; small && k < square; k++) d[k] = B[k] - A[k];
     work += points->volume0[p] * Power(dim, d, mean);
+    if (points->F_size > square) /* the hoop direction, which has no shear */
+      work += points->volume0[p] * mean[2] * (B[square] - A[square]) / (small ? 1. : 0.5 * (A[square] + B[square]));
   }
   return work;
 }

@@ -69,7 +69,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
 /* Data independent of the step's length: arrays, space, pattern, solver. */
 static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, MpmOutcome *outcome)
 {
-  const PetscInt      bs = model->disc.block, dim = model->disc.dim;
+  const PetscInt      bs        = model->disc.block;
   const MpmParticles *particles = model->state.particles;
   MpmTrial           *trial     = model->disc.trial;
 
@@ -84,7 +84,7 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, MpmOut
   PetscCall(PetscMalloc3((model->disc.space->local * bs + 1), &model->disc.u, (model->disc.space->local * bs + 1),
                          &model->disc.residual, (model->disc.space->local * bs + 1), &model->disc.force));
   PetscCall(MpmTrialReset(trial));
-  PetscCall(PetscMalloc5((count * dim * dim), &trial->F, (count * particles->stress_size), &trial->stress,
+  PetscCall(PetscMalloc5((count * particles->F_size), &trial->F, (count * particles->stress_size), &trial->stress,
                          (count * particles->state_size), &trial->state, (count * particles->own_size), &trial->own,
                          (model->disc.space->local * bs), &trial->u));
   model->state.active_dofs_max = PetscMax(model->state.active_dofs_max, (PetscInt64)model->disc.space->unknown_count);

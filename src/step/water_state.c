@@ -352,9 +352,8 @@ static PetscErrorCode SumLevels(MpmModel model, PetscInt axis, PetscReal up, Pet
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
-    const PetscReal ratio =
-      MpmPointVolumeRatio(&model->scene.materials->at[points.material[p]], dim, &points.F[p * dim * dim]);
-    const PetscReal rise = -up * points.value_gradient[p * rates * dim + axis] - weight;
+    const PetscReal ratio = MpmPointVolumeRatio(&model->scene.materials->at[points.material[p]], MpmPointF(&points, p));
+    const PetscReal rise  = -up * points.value_gradient[p * rates * dim + axis] - weight;
     PetscInt        cell[MPM_MAX_DIM];
 
     MpmGridFindCell(model->disc.grid, &points.x[p * dim], cell);

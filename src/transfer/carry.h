@@ -14,9 +14,10 @@ MPM_INLINE Slim MpmSlimLoad(PetscInt dim, const PetscReal v[])
   return dim == 2 ? (Slim){v[0], v[1], 0., 0.} : (Slim){v[0], v[1], v[2], 0.};
 }
 
-/* One point's contributions to its nodes: momentum, then mass, their derivatives, and the stress of its force. */
+/* One point's contributions to its nodes: momentum, then mass, their derivatives, and the stress of its force; `hoop`: the part
+   that goes by the weights, with axial symmetry. */
 typedef struct {
-  Slim momentum, slope[MPM_MAX_DIM], P[MPM_MAX_DIM];
+  Slim momentum, slope[MPM_MAX_DIM], P[MPM_MAX_DIM], hoop;
 } MpmCarried;
 
 /* A point's weights along x and their products with the distance to the nodes, used by every row of nodes. */

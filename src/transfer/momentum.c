@@ -118,7 +118,7 @@ PetscErrorCode MpmStiffnessRows(const MpmSum *sum, PetscReal rows[])
       const MpmMaterial *material = &sum->materials[points->material[p]];
       const PetscReal    speed    = MpmMaterialWaveSpeed(material, MpmPointOwn(points, material, p), dim,
                                                    points->state ? &points->state[p * sum->state_size] : NULL,
-                                                         &points->F[p * dim * dim], &points->stress[p * MpmSymSize(dim)]);
+                                                         MpmPointF(points, p), &points->stress[p * MpmSymSize(dim)]);
       PetscReal          total    = 0.;
 
       MpmShapeBasis(known, space, 0, p, PETSC_FALSE, basis);

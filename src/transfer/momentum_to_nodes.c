@@ -16,7 +16,7 @@ MPM_INLINE void PointStress(const MpmKnown known, const MpmSum *sum, PetscInt p,
 {
   const MpmPoints *points = sum->points;
   const PetscInt   dim    = known.dim;
-  const PetscReal *F = &points->F[p * dim * dim], *s = &points->stress[p * (dim == 2 ? 4 : 6)];
+  const PetscReal *F = MpmPointF(points, p), *s = &points->stress[p * (dim == 2 ? 4 : 6)];
   const PetscReal  volume   = points->volume0[p];
   const Slim       sigma[3] = {dim == 2 ? (Slim){s[0], s[3], 0., 0.} : (Slim){s[0], s[3], s[5], 0.},
                          dim == 2 ? (Slim){s[3], s[1], 0., 0.} : (Slim){s[3], s[1], s[4], 0.},
@@ -28,7 +28,19 @@ MPM_INLINE void PointStress(const MpmKnown known, const MpmSum *sum, PetscInt p,
       if (dim == 3) P[b] += sigma[2] * (volume * F[b * dim + 2]);
     }
   } else
-    for (PetscInt b = 0; b < dim; b++) P[b] = sigma[b] * (volume * MpmDeterminant(dim, F));
+    for (PetscInt b = 0; b < dim; b++) P[b] = sigma[b] * (volume * MpmDeterminant(points->F_size, F));
+}
+
+/* Pull of the hoop stress towards the axis, N; 0 without axial symmetry. */
+MPM_INLINE PetscReal HoopForce(const MpmSum *sum, PetscInt p)
+{
+  const MpmPoints *points = sum->points;
+  PetscReal        ratio;
+
+  if (!sum->space->shape[0].hoop) return 0.;
+  ratio = sum->materials[points->material[p]].info.traits & MPM_LAW_SMALL_STRAIN ? MpmPointF(points, p)[4]
+                                                                                 : MpmPointJ(points, p);
+  return points->volume0[p] * ratio * points->stress[4 * p + 2] * sum->space->shape[0].hoop[p];
 }
 
 /* Mass, momentum and force of one point, added to those of its nodes. */
@@ -55,6 +67,7 @@ MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, PetscInt p, co
 
       if (dim == 3) row += of->slope[2] * at->away[2][l];
       if (dim == 3) across += of->P[2] * g;
+      if (!known.solid) across += of->hoop * w;
       row *= w;
       for (PetscInt k = 0; k < known.count[0]; k++) {
         Sums *to = &sums[*nodes++];
@@ -85,6 +98,7 @@ MPM_INLINE PetscErrorCode MotionToNodes(const MpmKnown known, const MpmSum *sum,
     MpmStencilPlace(known, sum, first, p, &at);
     MpmCarryMomentum(known, sum, transfer, p, &at, &of);
     PointStress(known, sum, p, of.P);
+    of.hoop = (Slim){HoopForce(sum, p), 0., 0., 0.};
     AddPoint(known, sum, p, &at, &of, &sum->space->group_nodes[group->node_offset], sums);
   }
   return PETSC_SUCCESS;

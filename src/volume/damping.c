@@ -60,11 +60,11 @@ static PetscErrorCode FindViscosities(MpmDamping *damping, const MpmSum *sum)
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &sum->materials[points->material[p]];
     const double      *own      = MpmPointOwn(points, material, p);
-    const PetscReal *state = points->state ? &points->state[p * sum->state_size] : NULL, *F = &points->F[p * dim * dim];
-    const PetscReal  mass = MpmPointMass(points, sum->materials, p), volume = points->volume0[p];
-    const PetscReal  stiffness = PetscMax(MpmMaterialStiffness(material, own, state, F), 0.);
-    PetscReal       *viscosity = &damping->viscosity[p * MPM_VISCOSITIES];
-    const PetscReal  shear     = MpmMaterialShearModulus(material, own, state, F);
+    const PetscReal   *state = points->state ? &points->state[p * sum->state_size] : NULL, *F = MpmPointF(points, p);
+    const PetscReal    mass = MpmPointMass(points, sum->materials, p), volume = points->volume0[p];
+    const PetscReal    stiffness = PetscMax(MpmMaterialStiffness(material, own, state, F), 0.);
+    PetscReal         *viscosity = &damping->viscosity[p * MPM_VISCOSITIES];
+    const PetscReal    shear     = MpmMaterialShearModulus(material, own, state, F);
 
     viscosity[0] = damping->stiffness * volume * (stiffness - 2. * shear);
     viscosity[1] = damping->stiffness * volume * shear;

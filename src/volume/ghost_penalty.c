@@ -37,6 +37,7 @@
 */
 #include "point/layout.h"
 #include "point/material.h"
+#include "grid/grid.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "assembly/sparsity.h"
@@ -97,12 +98,24 @@ static PetscReal Flow(const MpmSum *sum, const MpmPhysicsMaterial *of, const Pet
                       : sum->layout->ghost(of, parameter, sum->dt, h);
 }
 
+/* The circumference at the middle of a face's box, m; 1 without axial symmetry. */
+static PetscReal Turn(const MpmSum *sum, const MpmFace *face)
+{
+  const MpmGrid  *grid = sum->grid;
+  const MpmGroup *box  = &sum->space->groups[sum->space->faces.begin + (PetscInt)(face - sum->space->faces.face)];
+  PetscInt        at[MPM_MAX_DIM];
+
+  MpmSpaceAt(sum->space, box->first, at);
+  return MpmGridTurn(grid, grid->lower[0] + grid->h[0] * ((PetscReal)at[0] + 0.5 * (PetscReal)(box->count[0] - 1)));
+}
+
 /* Factor on a face's matrix, for one of the components. */
 static PetscReal Factor(const MpmSum *sum, const MpmFace *face, PetscInt c)
 {
-  PetscReal factor[2];
+  const PetscReal turn = Turn(sum, face);
+  PetscReal       factor[2];
 
-  if (c < sum->layout->dim) return face->stiffness;
+  if (c < sum->layout->dim) return turn * face->stiffness;
   if (IsDry(sum, face)) return 0.;
   for (PetscInt k = 0; k < 2; k++) {
     const MpmMaterial       *material = &sum->materials[face->material[k]];
@@ -111,7 +124,7 @@ static PetscReal Factor(const MpmSum *sum, const MpmFace *face, PetscInt c)
     factor[k] = Flow(sum, &of, material->physics_parameter, sum->cell[face->axis]);
   }
   /* where permeability jumps so does the gradient: the lesser one */
-  return face->gamma * (PetscAbsReal(factor[0]) < PetscAbsReal(factor[1]) ? factor[0] : factor[1]);
+  return turn * face->gamma * (PetscAbsReal(factor[0]) < PetscAbsReal(factor[1]) ? factor[0] : factor[1]);
 }
 
 /* Linear: the residual of u is the action on it. */

@@ -93,7 +93,7 @@ static PetscBool IsSparse(const MpmRules *rules, const MpmPoints *points, PetscI
   PetscReal          U[MPM_MAX_DIM], most = 0.;
 
   if (material->spacing >= 1.) return PETSC_TRUE;
-  if (material->spacing < MPM_SPARSE_LEAST || material->state_size || rules->stretch(&points->F[p * dim * dim], U))
+  if (material->spacing < MPM_SPARSE_LEAST || material->state_size || rules->stretch(MpmPointF(points, p), U))
     return PETSC_FALSE;
   for (PetscInt a = 0; a < dim; a++) most = PetscMax(most, U[a]);
   return (PetscBool)(material->spacing * most > SPARSE_SPACING);

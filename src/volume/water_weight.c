@@ -21,20 +21,21 @@ typedef struct {
 /* J, and its derivatives by the increment's gradient */
 static PetscReal Volume(const MpmSum *sum, PetscInt p, const PetscReal dF[], PetscReal by[])
 {
-  const PetscInt   dim = sum->space->dim;
-  const PetscReal *F_n = &sum->points->F[p * dim * dim];
-  PetscReal        det, J = 1. - (PetscReal)dim;
+  const PetscInt   dim = sum->space->dim, size = sum->points->F_size, hoop = size > dim * dim ? 1 : 0;
+  const PetscReal *F_n = MpmPointF(sum->points, p);
+  PetscReal        det, J = 1. - (PetscReal)(dim + hoop);
 
   if (sum->materials[sum->points->material[p]].info.traits & MPM_LAW_SMALL_STRAIN) {
     for (PetscInt k = 0; k < dim * dim; k++) {
       by[k] = F_n[k % dim * dim + k / dim];
       J += by[k] * dF[k];
     }
-    return J;
+    if (hoop) by[size - 1] = F_n[size - 1];
+    return hoop ? J + by[size - 1] * dF[size - 1] : J;
   }
-  det = MpmDeterminant(dim, F_n);
-  J   = det * MpmCofactors(dim, dF, by);
-  for (PetscInt k = 0; k < dim * dim; k++) by[k] *= det;
+  det = MpmDeterminant(size, F_n);
+  J   = det * MpmCofactors(size, dF, by);
+  for (PetscInt k = 0; k < size; k++) by[k] *= det;
   return J;
 }
 
@@ -44,11 +45,16 @@ static void Evaluate(const MpmSum *sum, PetscInt p, PetscInt n, const MpmBasis *
   const MpmMaterial *material = &sum->materials[sum->points->material[p]];
   const PetscInt     dim      = sum->space->dim;
   const PetscReal    scale    = -material->physics_parameter[sum->layout->taken_up] * sum->points->volume0[p];
+  const PetscReal   *hoop     = sum->space->shape[0].hoop ? basis->basis[MPM_HOOP_BASIS] : NULL;
   PetscReal          dF[MPM_MAX_DIM * MPM_MAX_DIM], by[MPM_MAX_DIM * MPM_MAX_DIM];
 
   for (PetscInt k = 0; k < dim * dim; k++) {
     dF[k] = k / dim == k % dim ? 1. : 0.;
     for (PetscInt i = 0; i < n; i++) dF[k] += basis->basis[1 + k % dim][i] * values[k / dim * n + i];
+  }
+  if (hoop) {
+    dF[dim * dim] = 1.;
+    for (PetscInt i = 0; i < n; i++) dF[dim * dim] += hoop[i] * values[i];
   }
   rank->taken = Volume(sum, p, dF, by) - 1.;
   for (PetscInt a = 0; a < dim; a++) {
@@ -56,6 +62,7 @@ static void Evaluate(const MpmSum *sum, PetscInt p, PetscInt n, const MpmBasis *
       rank->row[a * n + i]    = scale * sum->gravity[a] * basis->basis[0][i];
       rank->column[a * n + i] = 0.;
       for (PetscInt b = 0; b < dim; b++) rank->column[a * n + i] += by[a * dim + b] * basis->basis[1 + b][i];
+      if (hoop && !a) rank->column[i] += by[dim * dim] * hoop[i];
     }
   }
 }

@@ -35,7 +35,7 @@ static int MpmMaterialEvaluate_data_law(const MpmLawPoint *point, const Tensor *
 /* 4 G/3 + dp/d(tr e) */
 static double Stiffness(const double *parameter, const MpmLawTable *table, const double *state, const double *F)
 {
-  const double theta = F ? log(MpmDeterminant(MPM_DIM, F)) : 0.;
+  const double theta = F ? log(MpmDeterminant(MPM_TENSOR, F)) : 0.;
   double       slope = 0.;
 
   (void)state;

@@ -15,7 +15,7 @@ int MPM_INSTANCE(LawTangent)(const MpmLawInfo *info, const MpmLawInput *input, d
 int MPM_INSTANCE(LawTangent)(const MpmLawInfo *info, const MpmLawInput *input, double *state, double *tau, double *dtau)
 {
   const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))info->law;
-  const int         n            = MPM_DIM * MPM_DIM;
+  const int         n            = MPM_TENSOR;
   const int         width        = MPM_DIRECTIONS > 0 ? MPM_DIRECTIONS : n;
   const MpmLawPoint point        = {input->parameter, input->state_n, state, input->F_n, input->dt, input->table};
 

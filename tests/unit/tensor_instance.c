@@ -82,7 +82,7 @@ int MPM_INSTANCE(TestStretchDiagonalQuick)(const double *F, double *diagonal)
    the values. */
 double MPM_INSTANCE(TestAlgebra)(const double *A, const double *B, double *product, double *inverse, double *stress)
 {
-  const int    n = MPM_DIM * MPM_DIM;
+  const int    n = MPM_TENSOR;
   Tensor       a = TensorFromArray(A), b = TensorFromArray(B), c[3];
   Sym          symmetric;
   Scalar       det;

@@ -75,7 +75,8 @@ START_TEST(boxes_hold_their_parts)
       for (size_t r = 0; r < PETSC_STATIC_ARRAY_LENGTH(runs); r++) {
         MpmFaceBox boxes[PARTS];
 
-        points.count = counts[c];
+        points.count  = counts[c];
+        points.F_size = dim * dim;
         Scatter(dim, runs[r], &points);
         MpmFaceBoxesOfParts(dim, PARTS, &points, boxes);
         for (PetscInt k = 0; k < PARTS; k++) Check(dim, &points, k, &boxes[k]);

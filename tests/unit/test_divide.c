@@ -78,7 +78,7 @@ START_TEST(threads)
         ck_assert(Edge(&points, p, i) <= LONGEST * (1. + 1e-12));
         ck_assert(points.x[2 * p + i] >= 0.);
       }
-      ck_assert(PetscAbsReal(MpmDeterminant(2, F) - 1.) <= 1e-12);
+      ck_assert(PetscAbsReal(MpmDeterminant(4, F) - 1.) <= 1e-12);
       if (flows) ck_assert(PetscAbsReal(F[0] * F[1] + F[2] * F[3]) <= 1e-9);
       else ck_assert(F[0] == 60. && F[1] == slip);
     }

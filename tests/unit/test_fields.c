@@ -83,7 +83,7 @@ START_TEST(layout)
       ck_assert_int_eq((int)plan.basis_of[k], scalar < 0 ? (int)(1 + k % dim) : (int)scalar);
     }
     for (PetscInt c = 0; c <= plan.block; c++) {
-      ck_assert_int_eq((int)plan.component_first[c], c <= dim ? (int)(c * dim) : (int)plan.inputs);
+      ck_assert_int_eq((int)plan.by_component.first[c], c <= dim ? (int)(c * dim) : (int)plan.inputs);
     }
     ck_assert(MpmLayoutUsesValues(&plan));
   }

@@ -268,7 +268,7 @@ START_TEST(storage)
           for (PetscInt l = 0; l < dim; l++) F[i * dim + j] += dF[i * dim + l] * at.F_n[l * dim + j];
         }
       for (int s = 0; s < 3; s++) {
-        J[s] = small ? 1. : MpmDeterminant((int)dim, all[s]);
+        J[s] = small ? 1. : MpmDeterminant((int)(dim * dim), all[s]);
         for (PetscInt a = 0; small && a < dim; a++) J[s] += all[s][a * (dim + 1)] - 1.;
       }
       /* the porosity that the point has is that of the step's start */

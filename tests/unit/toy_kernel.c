@@ -13,7 +13,7 @@
 
 enum { DIFFUSIVITY, COUPLING };
 
-#define SOLID_INPUTS (MPM_DIM * MPM_DIM)
+#define SOLID_INPUTS MPM_TENSOR
 #define INPUTS       (SOLID_INPUTS + 1 + MPM_DIM)
 
 /* flux = V_0 D J dF^{-1} dF^{-T} grad c, with dF^{-1} = cof(dF)^T / det dF */

@@ -3,12 +3,12 @@
   Evaluation of a material's law by a physics, for any number of directions of the physics' own kernel. Included by
   law.h.
 
-  Laws are compiled for dim^2 directions, those of dF. Where a kernel carries others, as many as it has inputs say, the
-  law returns its derivatives by dF, and the chain rule gives
+  Laws are compiled for as many directions as dF has components. Where a kernel carries others, as many as it has inputs
+  say, the law returns its derivatives by dF, and the chain rule gives
 
     tau = tau(dF) ,   d tau = sum_k (d tau / d dF_k) d dF_k
 */
-#define LAW_DIRECTIONS (MPM_DIM * MPM_DIM)
+#define LAW_DIRECTIONS MPM_TENSOR
 
 /* Time of a law, whose history goes from the step's start: with two sub-steps not that in which something flows. */
 MPM_FN double LawTime(const MpmKernelPoint *point)

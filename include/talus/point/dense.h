@@ -1,7 +1,8 @@
 #pragma once
 /*
-  Small dense matrices of plain numbers, dim x dim with dim 2 or 3, row-major; tensor.h has those of Scalars. In plane
-  strain a deformation gradient is its in-plane block.
+  Small dense matrices of plain numbers, row-major; tensor.h has those of Scalars. A number `size` of components tells
+  their form: 4, 2 x 2, in plane strain the in-plane block of a deformation gradient; 5, with axial symmetry, the block
+  and the hoop component; 9, 3 x 3.
 */
 
 /* Functions of the pointwise kernels, wherever these are compiled for. */
@@ -18,21 +19,24 @@ MPM_FN int MpmSymSize(long dim)
 }
 
 /* det A */
-MPM_FN double MpmDeterminant(long dim, const double A[])
+MPM_FN double MpmDeterminant(long size, const double A[])
 {
-  if (dim == 2) return A[0] * A[3] - A[1] * A[2];
+  if (size < 9) return (A[0] * A[3] - A[1] * A[2]) * (size == 5 ? A[4] : 1.);
   return A[0] * (A[4] * A[8] - A[5] * A[7]) + A[1] * (A[5] * A[6] - A[3] * A[8]) + A[2] * (A[3] * A[7] - A[4] * A[6]);
 }
 
 /* The cofactors of A, the derivatives of det A by its entries: A^{-T} = cof A / det A. Returns det A. */
-MPM_FN double MpmCofactors(long dim, const double A[], double cofactor[])
+MPM_FN double MpmCofactors(long size, const double A[], double cofactor[])
 {
-  if (dim == 2) {
-    cofactor[0] = A[3];
-    cofactor[1] = -A[2];
-    cofactor[2] = -A[1];
-    cofactor[3] = A[0];
-    return MpmDeterminant(dim, A);
+  if (size < 9) {
+    const double hoop = size == 5 ? A[4] : 1.;
+
+    cofactor[0] = hoop * A[3];
+    cofactor[1] = -hoop * A[2];
+    cofactor[2] = -hoop * A[1];
+    cofactor[3] = hoop * A[0];
+    if (size == 5) cofactor[4] = A[0] * A[3] - A[1] * A[2];
+    return MpmDeterminant(size, A);
   }
   for (int i = 0; i < 3; i++) {
     for (int j = 0; j < 3; j++) {
@@ -41,5 +45,5 @@ MPM_FN double MpmCofactors(long dim, const double A[], double cofactor[])
       cofactor[3 * i + j] = A[i1 + j1] * A[i2 + j2] - A[i1 + j2] * A[i2 + j1];
     }
   }
-  return MpmDeterminant(dim, A);
+  return MpmDeterminant(size, A);
 }

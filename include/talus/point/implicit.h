@@ -66,7 +66,7 @@ MPM_FN int ImplicitEvaluate(const Implicit *implicit, const double x[], double r
 MPM_FN int ImplicitStep(int n, const double J[9], const double r[], double step[])
 {
   double       cofactor[9];
-  const double det = MpmCofactors(3, J, cofactor);
+  const double det = MpmCofactors(9, J, cofactor);
 
   for (int i = 0; i < n; ++i) {
     step[i] = 0.;
@@ -107,7 +107,7 @@ MPM_FN int ImplicitDerive(const Implicit *implicit, const double value[], Dual x
   for (int i = 0; i < n; ++i) x[i] = DualConstant(value[i]);
   if (MPM_DIRECTIONS == 0) return 0;
   if (ImplicitDifferentiate(implicit, value, r, J, &first)) return 1;
-  det = MpmCofactors(3, J, cofactor);
+  det = MpmCofactors(9, J, cofactor);
   for (int i = 0; i < n; ++i) {
     if (first >= 0) x[i] = DualSeed(value[i], first + i); /* the later sum removes that direction again */
     for (int j = 0; j < n; ++j) DualAddDirections(&x[i], -cofactor[3 * j + i] / det, &r[j]);

@@ -18,7 +18,7 @@
                                  const MpmLawOutput *derivative) \
   { \
     const size_t      size = LawStateSize(states_, MPM_ROWS(states_)); \
-    Real              parameter[MPM_ROWS(parameters_)], F_n[MPM_DIM * MPM_DIM]; \
+    Real              parameter[MPM_ROWS(parameters_)], F_n[MPM_TENSOR]; \
     Real              state_n[MPM_ROWS(states_) * MPM_SYM], state[MPM_ROWS(states_) * MPM_SYM]; \
     const LawRoom     room = {parameter, state_n, value->state ? state : NULL, F_n, MPM_ROWS(parameters_), size}; \
     Tensor            dF; \
@@ -167,7 +167,7 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
   MPM_PHYSICS(name, .summary = ..., .fields = ..., ...) - properties of a physics besides its kernel, as members of
   MpmPhysics; once, in the first instance. MPM_ROWS() counts the rows of the file's static tables.
 */
-#if MPM_DIM == 2 && MPM_DIRECTIONS == 0
+#if MPM_DIM == 2 && MPM_DIRECTIONS == 0 && !defined(MPM_AXISYMMETRIC)
 #define MPM_PHYSICS(name_, ...) \
   void MpmPhysicsDescribe_##name_(MpmPhysics *physics); \
   void MpmPhysicsDescribe_##name_(MpmPhysics *physics) \

@@ -162,7 +162,7 @@ MPM_FN int SymSplitPrincipal(const SymSplit *split, SymPrincipal *principal)
 MPM_FN int TensorStretchDiagonal(const double *F, double *diagonal)
 {
   const double C[2]  = {F[0] * F[0] + F[2] * F[2], F[1] * F[1] + F[3] * F[3]};
-  const double root  = fabs(MpmDeterminant(MPM_DIM, F));
+  const double root  = fabs(MpmDeterminant(4, F));
   const double scale = sqrt(C[0] + C[1] + 2. * root);
 
   for (int i = 0; i < 2; ++i) diagonal[i] = (C[i] + root) / scale;

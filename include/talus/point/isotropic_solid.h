@@ -516,7 +516,7 @@ MPM_FN int TensorStretchDiagonal(const double *F, double *diagonal)
   double         C[6];
 
   TensorRightCauchyGreen(F, C);
-  if (MpmDeterminant(MPM_DIM, F) == 0. || IsotropicFrameCreate(C, &frame)) return 1;
+  if (MpmDeterminant(9, F) == 0. || IsotropicFrameCreate(C, &frame)) return 1;
   for (int i = 0; i < 3; ++i) {
     diagonal[i] = 0.;
     for (int a = 0; a < 3; ++a) { diagonal[i] += sqrt(fmax(frame.w[a], 0.)) * frame.Q[3 * i + a] * frame.Q[3 * i + a]; }

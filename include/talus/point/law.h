@@ -5,7 +5,8 @@
   A kernel is written once, in `Scalar`, and compiled for several scalar types. CMake compiles every file of materials/
   and physics/ once for each instance, an instance being a pair of
 
-    MPM_DIM          2 (plane strain) or 3
+    MPM_DIM          2 or 3
+    MPM_AXISYMMETRIC defined with MPM_DIM 2: axial symmetry, x the radius, y the axis; plane strain without
     MPM_DIRECTIONS   number of derivative directions that a Scalar carries: 0 (plain double), 1 (one direction, for
                      Jacobian actions and colouring), or one for each component of dF (a point's whole tangent). A
                      physics may have as many directions as inputs: LawStress() composes a law's by the chain rule
@@ -24,13 +25,20 @@
 #include "tables.h"
 #include "tensor.h"
 
-#define MPM_INSTANCE3(a, b, c) a##_##b##d##_##c
+#define MPM_INSTANCE3(a, b, c) a##_##b##_##c
 #define MPM_INSTANCE2(a, b, c) MPM_INSTANCE3(a, b, c)
-/* MPM_INSTANCE(name) is name_2d_0, name_3d_9, name_2d_sensitivity, ... */
-#if defined(MPM_SENSITIVITY)
-#define MPM_INSTANCE(name) MPM_INSTANCE2(name, MPM_DIM, sensitivity)
+#if defined(MPM_AXISYMMETRIC)
+#define MPM_KIND axial
+#elif MPM_DIM == 2
+#define MPM_KIND 2d
 #else
-#define MPM_INSTANCE(name) MPM_INSTANCE2(name, MPM_DIM, MPM_DIRECTIONS)
+#define MPM_KIND 3d
+#endif
+/* MPM_INSTANCE(name) is name_2d_0, name_3d_9, name_axial_5, name_2d_sensitivity, ... */
+#if defined(MPM_SENSITIVITY)
+#define MPM_INSTANCE(name) MPM_INSTANCE2(name, MPM_KIND, sensitivity)
+#else
+#define MPM_INSTANCE(name) MPM_INSTANCE2(name, MPM_KIND, MPM_DIRECTIONS)
 #endif
 
 /*
@@ -40,7 +48,7 @@
   state_n   history at the step's start, in the order of the law's state table
   state     destination of history at the step's end, or NULL when the caller does not need it (Jacobians): a law
             must not write it, nor spend time on it, then
-  F_n       deformation gradient at the step's start, row-major, MPM_DIM x MPM_DIM (its zz is 1 in plane strain)
+  F_n       deformation gradient at the step's start, as a Tensor has it
   dt        the step's time, s
   table     contents of tables and data, by parameter; read through TableCount(), TableEntry(), TableSegmentAt()
   table_direction  their derivatives, or NULL

@@ -41,8 +41,8 @@ MPM_FN MpmLawPoint LawPointCreate(const MpmLawInput *input, const MpmLawInput *d
 
   LawJoin(room->parameter_count, input->parameter, direction->parameter, room->parameter);
   LawJoin(room->state_size, input->state_n, direction->state_n, room->state_n);
-  LawJoin(MPM_DIM * MPM_DIM, input->F_n, direction->F_n, room->F_n);
-  LawJoin(MPM_DIM * MPM_DIM, input->dF, direction->dF, dF->a);
+  LawJoin(MPM_TENSOR, input->F_n, direction->F_n, room->F_n);
+  LawJoin(MPM_TENSOR, input->dF, direction->dF, dF->a);
   point.parameter       = room->parameter;
   point.state_n         = room->state_n;
   point.state           = room->state;

@@ -3,6 +3,7 @@
   The tables through which a constitutive law or a physics presents itself to the engine. Plain C, no PETSc.
 */
 #include <stddef.h>
+#include "dense.h"
 
 /* A function pointer of any type; cast back to its own type before it is called. */
 typedef void (*MpmFunction)(void);
@@ -172,8 +173,8 @@ typedef struct {
   const double      *parameter; /* in the order of the law's parameter table; words do not change */
   const MpmLawTable *table;
   const double      *state_n; /* history at the step's start */
-  const double      *F_n;     /* deformation gradient there, row-major, dim x dim */
-  const double      *dF;      /* F_{n+1} F_n^{-1}, row-major */
+  const double      *F_n;     /* deformation gradient there, MpmKinematicsF() components */
+  const double      *dF;      /* F_{n+1} F_n^{-1}, likewise */
   double             dt;      /* s */
 } MpmLawInput;
 
@@ -190,10 +191,31 @@ typedef struct {
 typedef int (*MpmSensitivity)(const MpmLawInput *input, const MpmLawInput *direction, const MpmLawOutput *value,
                               const MpmLawOutput *derivative);
 
-/* A law as compiled for one dimension and form: its constructor, which MPM_LAW() makes. */
+/*
+  How points deform: what a gradient, F and a symmetric tensor consist of, and what a point's volume is. With axial
+  symmetry x is the radius, y the axis, zz the hoop direction; volumes, masses and forces are those of a full turn.
+*/
+typedef enum { MPM_PLANE_STRAIN = 2, MPM_SPATIAL = 3, MPM_AXISYMMETRY = 4, MPM_KINEMATICS_COUNT } MpmKinematics;
+
+/* Axes of the grid */
+MPM_FN int MpmKinematicsDim(int kinematics)
+{
+  return kinematics == MPM_SPATIAL ? 3 : 2;
+}
+MPM_FN const char *MpmKinematicsName(int kinematics)
+{
+  return kinematics == MPM_SPATIAL ? "3D" : kinematics == MPM_AXISYMMETRY ? "axial symmetry" : "plane strain";
+}
+/* Components of F: 4, 9 or 5, as dense.h has them */
+MPM_FN int MpmKinematicsF(int kinematics)
+{
+  return kinematics == MPM_AXISYMMETRY ? 5 : kinematics * kinematics;
+}
+
+/* A law as compiled for one kinematics and form: its constructor, which MPM_LAW() makes. */
 typedef struct {
   const char *name;
-  int         dim;
+  int         kinematics;
   MpmForm     form;
   void (*create)(MpmLawInfo *info);
 } MpmLawInstance;
@@ -218,7 +240,7 @@ typedef struct {
   const double *parameter;         /* of the point's material */
   const double *physics_parameter; /* of the physics, for that material: in the order of its parameter table */
   const double *state_n;           /* history at the step's start */
-  const double *F_n;               /* deformation gradient at the step's start, row-major, dim x dim */
+  const double *F_n;               /* deformation gradient at the step's start, MpmKinematicsF() components */
   const double *value_n;           /* values at the step's start of the fields with a rate, in field order */
   const double *deviation_n;   /* the deviations there, field by field, of what the points' values make at the nodes */
   const double *gravity;       /* at the step's end, m/s2, `dim` components */
@@ -240,7 +262,7 @@ typedef struct {
 } MpmKernelPoint;
 
 /*
-  A physics' compiled kernel in one dimension, plain doubles in and out, one function a form; each returns non-zero for
+  A physics' compiled kernel of one kinematics, plain doubles in and out, one function a form; each returns non-zero for
   a domain error.
 
   residual    flux[inputs]
@@ -347,7 +369,8 @@ typedef struct {
 /*
   A physics: its fields, in the order of their unknowns at a node, and its kernel. Inputs of the kernel, in this order:
   for every field, for every component, its value (if used), then its derivatives along the axes (if used), then its
-  deviation (if used). Functions may be NULL.
+  deviation (if used). With axial symmetry the hoop strain u_x/x stands behind those of the displacement. Functions may
+  be NULL.
 
   prepare  derives further values from those that a material's block has, once they are read, with the scene's gravity,
            or that of the Earth, m/s2; returns NULL, or a fault of one of them: "porosity is missing: must be > 0 and <
@@ -364,7 +387,7 @@ typedef struct {
   const char         *summary;
   int                 field_count;
   const MpmField     *fields;
-  MpmKernelSet        kernels[4]; /* [2] and [3] are used */
+  MpmKernelSet        kernels[MPM_KINEMATICS_COUNT]; /* by MpmKinematics */
   int                 parameter_count;
   const MpmParameter *parameters; /* numbers and words, options of every material: -mpm_material_<name>_<parameter> */
   int                 common_count;

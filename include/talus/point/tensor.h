@@ -3,7 +3,8 @@
   Small tensors of Scalars, so that a kernel reads like its equations.
 
   Tensor  MPM_DIM x MPM_DIM, row-major. In plane strain (MPM_DIM 2) the in-plane block of a tensor whose zz component
-          is 1 and whose other out-of-plane components are 0, as a deformation gradient is.
+          is 1 and whose other out-of-plane components are 0, as a deformation gradient is. With axial symmetry
+          (MPM_DIM 2, MPM_AXISYMMETRIC) the zz component, that of the hoop direction, stands behind the block.
   Sym     symmetric 3 x 3 tensor: xx, yy, zz, xy in plane strain, xx, yy, zz, xy, yz, xz in 3D (MPM_SYM components,
           off-diagonal ones stored once). Traces, deviators and norms are always those of the 3 x 3 tensor.
 
@@ -18,8 +19,23 @@
 
 #define MPM_SYM (MPM_DIM == 2 ? 4 : 6)
 
+/* Components of a Tensor, and those of them on its diagonal, by place */
+#if defined(MPM_AXISYMMETRIC)
+#if MPM_DIM != 2
+#error "axial symmetry has MPM_DIM 2"
+#endif
+#define MPM_HOOP    4
+#define MPM_TENSOR  5
+#define MPM_NORMALS 3
+#else
+#define MPM_TENSOR  (MPM_DIM * MPM_DIM)
+#define MPM_NORMALS MPM_DIM
+#endif
+#define MPM_NORMAL_AT(a) ((a) < MPM_DIM ? (a) * (MPM_DIM + 1) : MPM_DIM * MPM_DIM)
+#define MPM_IS_NORMAL(i) ((i) % (MPM_DIM + 1) == 0 || (i) == MPM_DIM * MPM_DIM)
+
 typedef struct {
-  Scalar a[MPM_DIM * MPM_DIM];
+  Scalar a[MPM_TENSOR];
 } Tensor;
 
 typedef struct {
@@ -39,7 +55,7 @@ MPM_FN Tensor TensorIdentity(void)
 {
   Tensor c;
 
-  for (int i = 0; i < MPM_DIM * MPM_DIM; ++i) c.a[i] = ScalarConstant(i % (MPM_DIM + 1) == 0 ? 1. : 0.);
+  for (int i = 0; i < MPM_TENSOR; ++i) c.a[i] = ScalarConstant(MPM_IS_NORMAL(i) ? 1. : 0.);
   return c;
 }
 
@@ -47,7 +63,7 @@ MPM_FN Tensor TensorFromArray(const Real *values)
 {
   Tensor c;
 
-  for (int i = 0; i < MPM_DIM * MPM_DIM; ++i) c.a[i] = ScalarConstant(values[i]);
+  for (int i = 0; i < MPM_TENSOR; ++i) c.a[i] = ScalarConstant(values[i]);
   return c;
 }
 
@@ -57,13 +73,13 @@ MPM_FN Tensor TensorFromGradient(const Scalar *gradient)
 {
   Tensor c;
 
-  for (int i = 0; i < MPM_DIM * MPM_DIM; ++i) c.a[i] = ScalarShift(gradient[i], i % (MPM_DIM + 1) == 0 ? 1. : 0.);
+  for (int i = 0; i < MPM_TENSOR; ++i) c.a[i] = ScalarShift(gradient[i], MPM_IS_NORMAL(i) ? 1. : 0.);
   return c;
 }
 
 MPM_FN void TensorStore(double *values, const Tensor *A)
 {
-  for (int i = 0; i < MPM_DIM * MPM_DIM; ++i) values[i] = ScalarValue(A->a[i]);
+  for (int i = 0; i < MPM_TENSOR; ++i) values[i] = ScalarValue(A->a[i]);
 }
 
 MPM_FN Tensor TensorTranspose(const Tensor *A)
@@ -72,6 +88,9 @@ MPM_FN Tensor TensorTranspose(const Tensor *A)
 
   for (int i = 0; i < MPM_DIM; ++i)
     for (int j = 0; j < MPM_DIM; ++j) c.a[i * MPM_DIM + j] = A->a[j * MPM_DIM + i];
+#if defined(MPM_HOOP)
+  c.a[MPM_HOOP] = A->a[MPM_HOOP];
+#endif
   return c;
 }
 
@@ -79,7 +98,7 @@ MPM_FN Tensor TensorAdd(const Tensor *A, const Tensor *B)
 {
   Tensor c;
 
-  for (int i = 0; i < MPM_DIM * MPM_DIM; ++i) c.a[i] = ScalarAdd(A->a[i], B->a[i]);
+  for (int i = 0; i < MPM_TENSOR; ++i) c.a[i] = ScalarAdd(A->a[i], B->a[i]);
   return c;
 }
 
@@ -87,7 +106,7 @@ MPM_FN Tensor TensorScale(Scalar alpha, const Tensor *A)
 {
   Tensor c;
 
-  for (int i = 0; i < MPM_DIM * MPM_DIM; ++i) c.a[i] = ScalarMul(alpha, A->a[i]);
+  for (int i = 0; i < MPM_TENSOR; ++i) c.a[i] = ScalarMul(alpha, A->a[i]);
   return c;
 }
 
@@ -104,6 +123,9 @@ MPM_FN Tensor TensorMul(const Tensor *A, const Tensor *B)
       c.a[i * MPM_DIM + j] = sum;
     }
   }
+#if defined(MPM_HOOP)
+  c.a[MPM_HOOP] = ScalarMul(A->a[MPM_HOOP], B->a[MPM_HOOP]);
+#endif
   return c;
 }
 
@@ -120,6 +142,9 @@ MPM_FN Tensor TensorMulArray(const Tensor *A, const Real *B)
       c.a[i * MPM_DIM + j] = sum;
     }
   }
+#if defined(MPM_HOOP)
+  c.a[MPM_HOOP] = ScalarScale(B[MPM_HOOP], A->a[MPM_HOOP]);
+#endif
   return c;
 }
 
@@ -128,7 +153,15 @@ MPM_FN Tensor TensorCofactor(const Tensor *A)
 {
   Tensor c;
 
-#if MPM_DIM == 2
+#if defined(MPM_HOOP)
+  const Scalar hoop = A->a[MPM_HOOP];
+
+  c.a[0]        = ScalarMul(hoop, A->a[3]);
+  c.a[1]        = ScalarNeg(ScalarMul(hoop, A->a[2]));
+  c.a[2]        = ScalarNeg(ScalarMul(hoop, A->a[1]));
+  c.a[3]        = ScalarMul(hoop, A->a[0]);
+  c.a[MPM_HOOP] = ScalarSub(ScalarMul(A->a[0], A->a[3]), ScalarMul(A->a[1], A->a[2]));
+#elif MPM_DIM == 2
   c.a[0] = A->a[3];
   c.a[1] = ScalarNeg(A->a[2]);
   c.a[2] = ScalarNeg(A->a[1]);
@@ -167,12 +200,12 @@ MPM_FN Scalar TensorDetByCofactors(const Tensor *A)
 #if defined(MPM_SENSITIVITY)
   return TensorDet(A);
 #else
-  double values[MPM_DIM * MPM_DIM], cofactor[MPM_DIM * MPM_DIM];
+  double values[MPM_TENSOR], cofactor[MPM_TENSOR];
   Scalar det;
 
   TensorStore(values, A);
-  det = ScalarConstant(MpmCofactors(MPM_DIM, values, cofactor));
-  for (int i = 0; i < MPM_DIM * MPM_DIM; ++i) ScalarAddDirections(&det, cofactor[i], &A->a[i]);
+  det = ScalarConstant(MpmCofactors(MPM_TENSOR, values, cofactor));
+  for (int i = 0; i < MPM_TENSOR; ++i) ScalarAddDirections(&det, cofactor[i], &A->a[i]);
   return det;
 #endif
 }
@@ -180,22 +213,22 @@ MPM_FN Scalar TensorDetByCofactors(const Tensor *A)
 /* The value alone of det A: what a test for det F > 0 needs */
 MPM_FN double TensorDetValue(const Tensor *A)
 {
-  double values[MPM_DIM * MPM_DIM];
+  double values[MPM_TENSOR];
 
   TensorStore(values, A);
-  return MpmDeterminant(MPM_DIM, values);
+  return MpmDeterminant(MPM_TENSOR, values);
 }
 
 /* The determinant of a matrix of Reals, row-major */
 MPM_FN double ArrayDetValue(const Real *A)
 {
 #if defined(MPM_SENSITIVITY)
-  double values[MPM_DIM * MPM_DIM];
+  double values[MPM_TENSOR];
 
-  for (int i = 0; i < MPM_DIM * MPM_DIM; ++i) values[i] = RealValue(A[i]);
-  return MpmDeterminant(MPM_DIM, values);
+  for (int i = 0; i < MPM_TENSOR; ++i) values[i] = RealValue(A[i]);
+  return MpmDeterminant(MPM_TENSOR, values);
 #else
-  return MpmDeterminant(MPM_DIM, A);
+  return MpmDeterminant(MPM_TENSOR, A);
 #endif
 }
 
@@ -354,7 +387,11 @@ MPM_FN Sym SymFromTensor(const Tensor *A)
 {
   Sym c;
 
+#if defined(MPM_HOOP)
+  c.a[2] = A->a[MPM_HOOP];
+#else
   c.a[2] = ScalarConstant(1.);
+#endif
   for (int i = 0; i < MPM_DIM; ++i) {
     for (int j = i; j < MPM_DIM; ++j)
       c.a[SymIndex(i, j)] = ScalarScale(0.5, ScalarAdd(A->a[i * MPM_DIM + j], A->a[j * MPM_DIM + i]));
@@ -367,7 +404,11 @@ MPM_FN Sym SymFromProductTransposed(const Tensor *A, const Tensor *B)
 {
   Sym c;
 
+#if defined(MPM_HOOP)
+  c.a[2] = ScalarMul(A->a[MPM_HOOP], B->a[MPM_HOOP]);
+#else
   c.a[2] = ScalarConstant(1.);
+#endif
   for (int i = 0; i < MPM_DIM; ++i) {
     for (int j = i; j < MPM_DIM; ++j) {
       Scalar sum = ScalarMul(A->a[i * MPM_DIM], B->a[j * MPM_DIM]);
@@ -388,18 +429,54 @@ MPM_FN Sym SymLeftCauchyGreen(const Tensor *F)
 /* F b F^T with a b of MPM_SYM Reals: the elastic trial state dF b_n dF^T */
 MPM_FN Sym SymPush(const Tensor *F, const Real *b)
 {
-  Real   matrix[MPM_DIM * MPM_DIM];
+  Real   matrix[MPM_TENSOR];
   Tensor Fb;
   Sym    c;
+
+#if defined(MPM_HOOP)
+  matrix[MPM_HOOP] = b[2];
+#endif
 
   for (int i = 0; i < MPM_DIM; ++i)
     for (int j = 0; j < MPM_DIM; ++j) matrix[i * MPM_DIM + j] = b[SymIndex(i, j)];
   Fb = TensorMulArray(F, matrix);
   c  = SymFromProductTransposed(&Fb, F);
-#if MPM_DIM == 2
+#if MPM_DIM == 2 && !defined(MPM_HOOP)
   c.a[2] = ScalarConstant(b[2]);
 #endif
   return c;
+}
+
+/* A B with a symmetric A */
+MPM_FN Tensor TensorSymMul(const Sym *A, const Tensor *B)
+{
+  Tensor c;
+
+  for (int i = 0; i < MPM_DIM; ++i) {
+    for (int j = 0; j < MPM_DIM; ++j) {
+      Scalar sum = ScalarMul(A->a[SymIndex(i, 0)], B->a[j]);
+
+      for (int k = 1; k < MPM_DIM; ++k) ScalarAddProduct(&sum, &A->a[SymIndex(i, k)], &B->a[k * MPM_DIM + j]);
+      c.a[i * MPM_DIM + j] = sum;
+    }
+  }
+#if defined(MPM_HOOP)
+  c.a[MPM_HOOP] = ScalarMul(A->a[2], B->a[MPM_HOOP]);
+#endif
+  return c;
+}
+
+/* A_ab B_ba, all sums over the stored components */
+MPM_FN Scalar TensorTraceMulArray(const Tensor *A, const Real *B)
+{
+  Scalar sum = ScalarConstant(0.);
+
+  for (int i = 0; i < MPM_DIM; ++i)
+    for (int j = 0; j < MPM_DIM; ++j) ScalarAddScaled(&sum, B[j * MPM_DIM + i], &A->a[i * MPM_DIM + j]);
+#if defined(MPM_HOOP)
+  ScalarAddScaled(&sum, B[MPM_HOOP], &A->a[MPM_HOOP]);
+#endif
+  return sum;
 }
 
 /*
@@ -412,16 +489,9 @@ MPM_FN Tensor SymTimesInverseTranspose(const Sym *tau, const Tensor *F, double f
   const Scalar J          = TensorCofactorDet(F, &cofactor);
   const double reciprocal = 1. / ScalarValue(J);
   const Scalar inverse    = ScalarChain(J, factor * reciprocal, -factor * reciprocal * reciprocal);
-  Tensor       P;
+  Tensor       P          = TensorSymMul(tau, &cofactor);
 
-  for (int i = 0; i < MPM_DIM; ++i) {
-    for (int j = 0; j < MPM_DIM; ++j) {
-      Scalar sum = ScalarMul(tau->a[SymIndex(i, 0)], cofactor.a[j]);
-
-      for (int k = 1; k < MPM_DIM; ++k) ScalarAddProduct(&sum, &tau->a[SymIndex(i, k)], &cofactor.a[k * MPM_DIM + j]);
-      P.a[i * MPM_DIM + j] = ScalarMul(inverse, sum);
-    }
-  }
+  for (int i = 0; i < MPM_TENSOR; ++i) P.a[i] = ScalarMul(inverse, P.a[i]);
   return P;
 }
 
