@@ -1,6 +1,7 @@
 /*
   One patch at a rigid surface: its gap and slip, and its tractions (contact_law.c), as rigid_contact.c has them.
 */
+#include "particles/points.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "contact/contact.h"
@@ -295,7 +296,8 @@ PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal ma
     MpmPatch       *patch   = &contacts->patch[k];
     const PetscReal inverse = InverseMass(contacts, sum, patch, mass);
     const PetscReal area    = patch->round || contacts->facet[patch->begin].single
-                                ? PetscPowRealInt(contacts->cell, sum->space->dim - 1)
+                                ? PetscPowRealInt(contacts->cell, sum->space->dim - 1) *
+                                    MpmTurn(sum->points->F_size, contacts->facet[patch->begin].place[0])
                                 : patch->area;
 
     if (!(area > 0.) || !(inverse > 0.)) continue;

@@ -133,7 +133,7 @@ MPM_INLINE void BoxOfAll(const PetscInt dim, const MpmPoints *points, PetscInt b
 
   Most(dim, 16, VALUE, count, x, box->upper);
   Most(dim, 16, OPPOSITE, count, x, opposite);
-  if (points->F_size > dim * dim) Most(5, 4, SQUARE, count, MpmPointF(points, begin), square);
+  if (dim == 2 && points->F_size > 4) Most(5, 4, SQUARE, count, MpmPointF(points, begin), square);
   else Most(dim * dim, dim == 2 ? 8 : 4, SQUARE, count, MpmPointF(points, begin), square);
   Most(1, 32, VALUE, count * dim, &points->half_length[begin * dim], &longest);
   box->square = 0.;
