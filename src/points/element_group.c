@@ -1,5 +1,5 @@
 /*
-  Element blocks of the tangent, the sum of B^T D B over the points of a group. Compiled once for each dimension (MPM_LOOPS).
+  Element blocks of the tangent, the sum of B^T D B over the points of a group, compiled for each dimension (MPM_LOOPS).
 */
 #include "points/element_group.h"
 

@@ -43,7 +43,7 @@ void MpmPieceEdges(const MpmSpace *space, const MpmRules *rules, PetscInt degree
   EdgesAt(space, rules, MpmSpacePart(space, piece), x, lower, upper);
 }
 
-/* As MpmPieceEdges(), but that a piece around a node on a wall with two sides is that on the side with more material. */
+/* As MpmPieceEdges(), but a piece around a node on a wall with two sides is that on the side with more material. */
 static void FilledEdges(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces, const PetscInt piece[],
                         PetscInt lower[], PetscInt upper[])
 {

@@ -44,8 +44,9 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
 }
 
 /*
-  Dimensions whose usual cases have loops of their own. A source whose loops are dear to compile is compiled once for each
-  dimension, MPM_LOOPS, and names its functions by it. Under the sanitizers all loops are general: MPM_LOOPS_GENERAL.
+  Dimensions whose usual cases have loops of their own. A source with loops that are slow to compile is compiled once
+  for each dimension, MPM_LOOPS, and names its functions by it. Under the sanitizers all loops are general:
+  MPM_LOOPS_GENERAL.
 */
 #if !defined(MPM_LOOPS_GENERAL) && (!defined(MPM_LOOPS) || MPM_LOOPS == 2)
 #define MPM_CASES_2D(f, ...) \

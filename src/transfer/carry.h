@@ -45,7 +45,7 @@ MPM_INLINE void MpmCarryMomentum(const MpmKnown known, const MpmSum *sum, const 
                             : (Slim){mass * C[b], mass * C[dim + b], mass * C[2 * dim + b], 0.};
 }
 
-/* The stencil of the point at place s of the order, and the data of those ahead of it on their way. Returns the point. */
+/* The stencil of the point at place s of the order, which is returned; prefetches the data of those ahead of it. */
 MPM_INLINE PetscInt MpmStencilNext(const MpmKnown known, const MpmSum *sum, const MpmTransfer *transfer,
                                    const PetscInt first[], PetscInt s, MpmStencil *at)
 {

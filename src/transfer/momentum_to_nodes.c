@@ -1,6 +1,6 @@
 /*
-  Mass and momentum of the points at the nodes: with their force in one pass, an explicit step's first half; and with mass
-  times acceleration.
+  Mass and momentum of the points at the nodes: with their force in one pass, an explicit step's first half; and with
+  mass times acceleration.
 */
 #include "transfer/carry.h"
 #include "transfer/momentum.h"
