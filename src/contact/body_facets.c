@@ -2,12 +2,10 @@
   Facets of bodies in contact with one another.
 
   A facet is a face of a point's domain that bounds its part of the material (outer_faces.c), with the weights of its
-  mean displacement at the nodes. Every rank has the facets of its own points and copies of those of other ranks that
-  are near.
+  mean displacement at the nodes. Every rank has the facets of its own points and copies of near ones of other ranks.
 
   Where the surface of a body's region cut its lattice of points at an angle, faces are steps, which show neither the
-  place nor the normal of the surface. Points keep both from the start, normal N and depth D. The material carries them
-  along:
+  place nor the normal of the surface. Points keep both from the start, normal N and depth D. The material carries both:
 
     n = F^-T N/|F^-T N| ,   depth = D/|F^-T N| ,
 

@@ -10,7 +10,7 @@
   A uniform pressure then stops them in one step, without depth, and the step is as long as the waves allow.
 
   The means of both sides belong to places x_1 and x_2 of their facets, a fraction of a cell apart: equal and opposite
-  forces there have a moment. The means are therefore those at the place between, x = (x_1 + x_2)/2, with the mean
+  forces there have a moment. The means are those at the place between, x = (x_1 + x_2)/2, with the mean
   rotation of each side,
 
     u(x) = sum_i w_i u_i + omega x (x - x_s) ,   omega = J^-1 sum_i w_i r_i x u_i ,

@@ -2,8 +2,7 @@
   Patches between bodies from one of Newton's iterates to the next, and between its solutions.
 
   Bodies that slide over one another have come to other facets as a step starts, by more than the depth of a stiff
-  contact. Where nothing touches at the first iterate any more, patches that slid in the last step are kept closed for
-  one iteration.
+  contact. Where nothing touches at the first iterate, patches that slid in the last step stay closed for one iteration.
 */
 #include "point/layout.h"
 #include "space/sum.h"

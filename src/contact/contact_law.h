@@ -1,7 +1,6 @@
 #pragma once
 /*
-  The law of contact of a patch, of bodies with rigid surfaces and with one another: pressure by gap, traction by slip
-  and pressure.
+  The law of contact of a patch, with rigid surfaces or other bodies: pressure by gap, traction by slip and pressure.
 */
 #include "base/base.h"
 

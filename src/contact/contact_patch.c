@@ -124,8 +124,7 @@ static PetscReal Beyond(const MpmContacts *contacts, PetscBool holds, PetscReal 
 
 /*
   Distances at the step's end. A flat face stays the one that a facet met at the step's start, as a plane that moves
-  with the boundary. Another may be nearer to Newton's iterates, deep inside, and to material squeezed out under an
-  edge.
+  with the boundary. Another may be nearer to Newton's iterates, deep inside, and to material squeezed out at edges.
 */
 static void Distances(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work)
 {
@@ -297,7 +296,7 @@ PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal ma
     const PetscReal inverse = InverseMass(contacts, sum, patch, mass);
     const PetscReal area    = patch->round || contacts->facet[patch->begin].single
                                 ? PetscPowRealInt(contacts->cell, sum->space->dim - 1) *
-                                    MpmTurn(sum->points->F_size, contacts->facet[patch->begin].place[0])
+                                 MpmTurn(sum->points->F_size, contacts->facet[patch->begin].place[0])
                                 : patch->area;
 
     if (!(area > 0.) || !(inverse > 0.)) continue;

@@ -7,8 +7,7 @@
   facet with an edge no farther than a cell is therefore a patch by itself.
 
   As a whole a face would go from the base to the side when its middle passes the edge, with a jump in force, and the
-  bearing width would be known to half a face only. A face that meets an edge is therefore cut into slices, a facet
-  each.
+  bearing width would be known to half a face only. A face that meets an edge is cut into slices, a facet each.
 
   Not so where a boundary is bilateral, which fixes the faces that touched at the start, or cut the lattice of points,
   whose faces are steps.

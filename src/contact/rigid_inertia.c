@@ -1,8 +1,7 @@
 /*
   Rigid bodies with a mass: velocities and accelerations of their two extra nodes, and their kinetic energy.
 
-  A body's mass stands at the node of its translation, its moment of inertia over the square of its size at that of its
-  rotation.
+  A body's mass is at the node of its translation, its moment of inertia over its size squared at that of its rotation.
 */
 #include "contact/contact.h"
 #include "contact/rigid_body.h"

@@ -1,6 +1,5 @@
 /*
-  One patch of contact with a rigid body of unknown place: forces on the material and on the body, and their
-  derivatives.
+  One patch of contact with a rigid body of unknown place: forces on material and body, and their derivatives.
 
   A facet's displacement is turned into the frame of the body, where the law of a patch is that at a fixed surface
   (contact_patch.c); forces and stiffnesses are turned back.

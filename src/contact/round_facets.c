@@ -21,8 +21,7 @@
 
   does therefore not count. All other motion does, so that the contact is as stiff at the step's end as it is elsewhere.
 
-  A face belongs to the surface where that took the next point of the lattice; faces that opened later are as they were
-  cut.
+  A face belongs to the surface where that took the next point of the lattice; later openings are as they were cut.
 */
 #include "geometry/geometry.h"
 #include "particles/body.h"

@@ -4,8 +4,7 @@
   Material in contact with a bilateral boundary may flow along it without bound. The faces that bounded the material at
   the start are drawn out before a pipe that is pulled through clay, and crowd behind it, until others lie at the
   surface. Where the surface cut the lattice of points, whose faces do not follow it anyway, the facets are therefore
-  pieces of the surface itself. A piece is the portion nearest to a point: its area A, its middle y, and the normal
-  there.
+  pieces of the surface itself. A piece is the portion nearest to a point: its area A, its middle y, and its normal.
 
   The surface is sampled on a lattice with DIVISIONS a cell: a place x at the distance d, on either side, represents the
   area
