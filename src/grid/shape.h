@@ -101,8 +101,8 @@ void MpmShapeExtend(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal
 void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
                   PetscInt edge_upper, const MpmShapeLine *line);
 /*
-  With axial symmetry and domains, the derivative by the radius averaged by volume (shape_radial.c): in place of the one over the
-  length of the domain, of the line along the radius. `radius` is that of the point over h.
+  With axial symmetry and domains, the derivative by the radius averaged by volume (shape_radial.c), in place of that
+  over the length of the domain, of the line along the radius. `radius` is that of the point over h.
 */
 typedef struct {
   PetscReal xi, half_length, radius;

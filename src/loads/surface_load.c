@@ -36,8 +36,8 @@ static PetscErrorCode WorkCreate(const MpmSum *sum, Work *work)
 }
 
 /*
-  gradient[c][d] = sum_i u_i,c grad_d w_i at the face's point, whose basis functions `work` gets; and with axial symmetry, in
-  [2][2], the hoop strain of the face.
+  gradient[c][d] = sum_i u_i,c grad_d w_i at the face's point, whose basis functions are written to `work`; and with
+  axial symmetry, in [2][2], the hoop strain of the face.
 */
 static void Gradient(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[],
                      Work *work, PetscReal gradient[3][3])

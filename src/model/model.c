@@ -597,7 +597,7 @@ static PetscErrorCode TakeOptions(MpmModel model)
 
 #define AXIAL "with -mpm_kinematics axisymmetric"
 
-/* What axial symmetry rules out: forces and motions that no ring has. */
+/* Refuses forces and motions that axial symmetry rules out. */
 static PetscErrorCode CheckAxial(const MpmModel model)
 {
   const MpmLoads      *loads      = model->scene.loads;

@@ -30,8 +30,8 @@ typedef struct MpmLayout {
   PetscInt           shape_of[MPM_MAX_BLOCK];
   MpmComponentInputs by_component;
   PetscInt           component_of[MPM_MAX_INPUTS];
-  PetscInt           basis_of
-    [MPM_MAX_INPUTS]; /* shape * MPM_BASES, + 0 weight, + 1.. derivatives, + dim + 1 deviation, + MPM_HOOP_BASIS weight over radius */
+  /* shape * MPM_BASES, + 0 weight, + 1.. derivatives, + dim + 1 deviation, + MPM_HOOP_BASIS weight over radius */
+  PetscInt    basis_of[MPM_MAX_INPUTS];
   PetscInt    rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
   PetscInt    deviations;
   PetscInt    deviation_component[MPM_MAX_BLOCK]; /* and of each deviation */

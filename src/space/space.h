@@ -182,8 +182,8 @@ PetscErrorCode MpmSpaceToGhosts(const MpmSpace *space, PetscInt block, PetscReal
 PetscErrorCode MpmSpaceAddToOwners(const MpmSpace *space, PetscInt block, PetscReal local[]);
 /*
   The weights and derivatives of one point at its group's nodes, shape by shape: basis[0] weights, basis[1..dim]
-  derivatives by x, y, z, basis[dim + 1] weights less their means over the cell, and in the first shape, with axial symmetry,
-  basis[MPM_HOOP_BASIS] weights over the radius; each of node_count values, x fastest.
+  derivatives by x, y, z, basis[dim + 1] weights less their means over the cell, and in the first shape, with axial
+  symmetry, basis[MPM_HOOP_BASIS] weights over the radius; each of node_count values, x fastest.
 */
 typedef struct {
   PetscReal *basis[MPM_MAX_SHAPES * MPM_BASES];

@@ -14,8 +14,8 @@ MPM_INLINE Slim MpmSlimLoad(PetscInt dim, const PetscReal v[])
   return dim == 2 ? (Slim){v[0], v[1], 0., 0.} : (Slim){v[0], v[1], v[2], 0.};
 }
 
-/* One point's contributions to its nodes: momentum, then mass, their derivatives, and the stress of its force; `hoop`: the part
-   that goes by the weights, with axial symmetry. */
+/* One point's contributions to its nodes: momentum, then mass, their derivatives, and the stress of its force; `hoop`:
+   the share by the weights, with axial symmetry. */
 typedef struct {
   Slim momentum, slope[MPM_MAX_DIM], P[MPM_MAX_DIM], hoop;
 } MpmCarried;
