@@ -68,7 +68,7 @@ typedef struct {
 
 #define MPM_FREE        (-1) /* an unknown that is solved for */
 #define MPM_UNSUPPORTED (-2) /* one of a field whose shape no point touches the node with: zero */
-#define MPM_HELD        (-3) /* constrained without a condition: by the state of the water, or on the axis of symmetry */
+#define MPM_HELD        (-3) /* constrained without a condition: by the water's state, or on the axis of symmetry */
 
 #define MPM_FOLLOWS (-4) /* one that follows others: the space's extension */
 
