@@ -282,7 +282,8 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
   constraints->block    = bs;
   constraints->diagonal = step->diagonal;
   for (PetscInt c = 0; c < bs; c++) {
-    constraints->unit[c] = Unit(layout->scale[c], step->diagonal / MpmGridTurn(grid, grid->upper[0]), grid->h[0], grid->dim);
+    constraints->unit[c] =
+      Unit(layout->scale[c], step->diagonal / MpmGridTurn(grid, grid->upper[0]), grid->h[0], grid->dim);
     if (constraints->unit[c] != 1.) constraints->scaled = PETSC_TRUE;
   }
   PetscCall(PetscMalloc1((space->local * bs), &constraints->condition));

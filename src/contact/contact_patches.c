@@ -305,7 +305,7 @@ static void FaceSides(PetscInt dim, const MpmPoints *points, PetscInt p, PetscIn
   for (PetscInt b = 0, k = 0; b < dim; b++) {
     if (b == face / 2) continue;
     for (PetscInt a = 0; a < dim; a++)
-      sides[k][a] = points->half_length[p * dim + b] * points->F[(p * dim + a) * dim + b];
+      sides[k][a] = points->half_length[p * dim + b] * MpmPointF(points, p)[a * dim + b];
     k++;
   }
 }

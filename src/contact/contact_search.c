@@ -37,7 +37,7 @@ static PetscReal Edges(PetscInt dim, const MpmPoints *points, PetscInt p)
   for (PetscInt axis = 0; axis < dim; axis++) {
     PetscReal square = 0.;
 
-    for (PetscInt a = 0; a < dim; a++) square += PetscSqr(points->F[(p * dim + a) * dim + axis]);
+    for (PetscInt a = 0; a < dim; a++) square += PetscSqr(MpmPointF(points, p)[a * dim + axis]);
     sum += points->half_length[p * dim + axis] * PetscSqrtReal(square);
   }
   return sum;

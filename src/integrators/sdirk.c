@@ -68,7 +68,7 @@ static PetscInt ReactionCount(const MpmModel model)
 static PetscErrorCode KeepFirst(MpmModel model)
 {
   const MpmLayout *layout = model->disc.layout;
-  const PetscInt   size   = model->disc.dim * model->disc.dim;
+  const PetscInt   size   = model->state.particles->F_size;
   PetscInt         count;
   MpmSdirk        *sdirk = model->state.scheme.sdirk;
 

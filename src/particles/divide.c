@@ -46,7 +46,7 @@ static PetscReal DrawnEdge(const MpmGrid *grid, const MpmPoints *points, PetscIn
   PetscReal      cells = 0., stretch = 0.;
 
   for (PetscInt i = 0; i < dim; i++) {
-    const PetscReal F = points->F[(p * dim + i) * dim + axis];
+    const PetscReal F = MpmPointF(points, p)[i * dim + axis];
 
     stretch += PetscSqr(F);
     cells += PetscSqr(2. * points->half_length[p * dim + axis] * F / grid->h[i]);

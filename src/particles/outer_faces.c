@@ -212,6 +212,7 @@ PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, c
       if (asked && !(asked[p] & MpmFaceBit(k / 2, k % 2))) continue;
       MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], k / 2, k % 2, arm, area);
       for (PetscInt a = 0; a < dim; a++) probe[a] = points->x[p * dim + a] + PROBE * arm[a];
+      if (grid->axial && probe[0] < 0.) continue; /* on the axis of symmetry */
       if (!Covered(&bins, probe, part ? part[p] : 0)) faces[p] |= MpmFaceBit(k / 2, k % 2);
     }
   }

@@ -158,7 +158,7 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, Mpm
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points)); /* a failed step has kept them */
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  PetscCall(PetscArraycpy(rest->F, points.F, rest->n * model->disc.dim * model->disc.dim));
+  PetscCall(PetscArraycpy(rest->F, points.F, rest->n * points.F_size));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(SetWater(model, rest, scale));
   model->state.scheme.load_scale = scale;
