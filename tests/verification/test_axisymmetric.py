@@ -144,12 +144,16 @@ def forms(test):
 
 
 def refused(test):
-    """What no ring has is refused."""
-    scene = cylinder(8)
-    for name, options in (("dim", {"mpm_dim": 3}), ("lower", {"mpm_grid_lower": "-1,0"}),
-                          ("gravity", {"mpm_loads": "w", "mpm_load_w_type": "gravity", "mpm_load_w_value": "1,0"})):
-        test.run(written(test, scene), status=2, **options)
-        test.check(f"refused.{name}", 1, 1)
+    """What no ring has is refused, with the name of the option."""
+    scene = written(test, cylinder(8))
+    gravity = {"mpm_loads": "w", "mpm_load_w_type": "gravity", "mpm_load_w_value": "1,0", "mpm_material_m_density": 1}
+    free = {"mpm_boundaries": "b", "mpm_boundary_b_type": "plane", "mpm_boundary_b_point": "0,0.6",
+            "mpm_boundary_b_normal": "0,-1", "mpm_boundary_b_free": "x"}
+    for name, options in (("-mpm_kinematics", {"mpm_dim": 3}), ("-mpm_grid_lower", {"mpm_grid_lower": "-1,0"}),
+                          ("-mpm_load_w_value", gravity), ("-mpm_boundary_b_free", free),
+                          ("-mpm_kinematics", {"mpm_physics": "stress_point"})):
+        run = test.run(scene, status=2, **options)
+        test.check(f"refused.{name}", int(f"error: {name}" in run.errors + run.output), 1)
 
 
 if __name__ == "__main__":
