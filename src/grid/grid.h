@@ -4,6 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "talus/point/dense.h"
 
 #define MPM_GRID_SLACK 1e-9 /* of a cell: by so much a point may be outside of the grid, from rounding */
 
@@ -34,7 +35,7 @@ static inline PetscInt MpmGridF(const MpmGrid *grid)
 /* How much of space a unit of the plane at radius r stands for: the circumference, m; 1 without axial symmetry. */
 static inline PetscReal MpmGridTurn(const MpmGrid *grid, PetscReal r)
 {
-  return grid->axial ? 2. * PETSC_PI * r : 1.;
+  return MpmTurn(MpmGridF(grid), r);
 }
 PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, PetscInt dim);
 PetscErrorCode MpmGridDestroy(MpmGrid *grid);

@@ -48,11 +48,6 @@ static inline PetscReal MpmPointJ(const MpmPoints *points, PetscInt p)
 {
   return MpmDeterminant(points->F_size, MpmPointF(points, p));
 }
-/* MpmGridTurn() (grid/grid.h) for those who have no grid: with axial symmetry F has five components. */
-static inline PetscReal MpmTurn(PetscInt F_size, PetscReal r)
-{
-  return F_size == 5 ? 2. * PETSC_PI * r : 1.;
-}
 /* Area of a point's domain in the plane, m2; its volume in 3D, m3. */
 static inline PetscReal MpmPointExtent(const MpmPoints *points, PetscInt dim, PetscInt p)
 {

@@ -31,6 +31,12 @@ MPM_INLINE void RowSum(PetscInt length, PetscInt count, const PetscReal factor[]
   }
 }
 
+/* The k-th input by component. */
+MPM_INLINE PetscInt InputAt(const MpmKnown known, const MpmLayout *layout, PetscInt k)
+{
+  return known.solid ? k : layout->by_component.input[k];
+}
+
 /*
   element[i][c][d][j] += sum_{k in c, l in d} phi_k(i) D_kl phi_l(j)
 
@@ -50,7 +56,7 @@ MPM_INLINE void AddElement(const MpmKnown known, const MpmLayout *layout, const 
       const PetscReal *phi[MPM_MAX_INPUTS];
 
       for (PetscInt q = 0; q < count; q++) {
-        const PetscInt l = known.solid ? l0 + q : layout->by_component.input[l0 + q];
+        const PetscInt l = InputAt(known, layout, l0 + q);
 
         by[q]  = D[k * N + l];
         phi[q] = basis->basis[KnownBasis(known, layout, l)];
@@ -66,7 +72,7 @@ MPM_INLINE void AddElement(const MpmKnown known, const MpmLayout *layout, const 
       const PetscReal *row[MPM_MAX_INPUTS];
 
       for (PetscInt k = 0; k < count; k++) {
-        const PetscInt input = known.solid ? first + k : layout->by_component.input[first + k];
+        const PetscInt input = InputAt(known, layout, first + k);
 
         phi[k] = basis->basis[KnownBasis(known, layout, input)][i];
         row[k] = &rows[input * length];

@@ -18,6 +18,15 @@ MPM_FN int MpmSymSize(long dim)
   return dim == 2 ? 4 : 6;
 }
 
+/*
+  Extent of space for a unit of the plane at radius r, by the size of F: the circumference, m, with axial symmetry; 1 in
+  plane strain, for a metre of thickness, and in 3D
+*/
+MPM_FN double MpmTurn(long size, double r)
+{
+  return size == 5 ? 2. * 3.14159265358979323846 * r : 1.;
+}
+
 /* det A */
 MPM_FN double MpmDeterminant(long size, const double A[])
 {
