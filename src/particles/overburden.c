@@ -151,7 +151,7 @@ static Slab MakeSlab(const MpmGrid *grid, const MpmPoints *points, const MpmVert
 {
   const PetscInt   dim = grid->dim;
   const PetscReal *x = &points->x[p * dim], *half = &half_length[p * dim];
-  PetscReal        area = 1.;
+  PetscReal        area = MpmGridTurn(grid, x[0]);
   Slab             slab = {.share = 1., .y = (PetscReal)vertical->up * x[vertical->axis], .half = half[vertical->axis]};
 
   slab.column = column[0] + (PetscInt64)column[1] * grid->cells[axes[0]];
