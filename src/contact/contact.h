@@ -5,34 +5,10 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "rigid/facet.h"
-#include "rigid/rigid.h"
+#include "facets/facets.h"
 
 extern const MpmTerm MpmTermContact;     /* rigid surfaces (rigid_contact.c); ctx: MpmContacts */
 extern const MpmTerm MpmTermRigidBodies; /* those whose place is solved for (rigid_body.c); ctx: MpmContacts */
-
-/* Angle to a face's normal below which a direction is along it: no step of a lattice. */
-#define MPM_ALIGNED 1e-6
-
-/* Values that a piece's point keeps from step to step. */
-typedef enum {
-  MPM_PIECE_GAP,
-  MPM_PIECE_SLIP,
-  MPM_PIECE_PRESSURE = MPM_PIECE_SLIP + MPM_MAX_DIM,
-  MPM_PIECE_STRENGTH,
-  MPM_PIECE_SLOTS
-} MpmPieceSlot;
-
-/* A piece of a boundary's surface along which material slides (surface_pieces.c). */
-typedef struct {
-  PetscInt  boundary, point, part, material; /* point: -1 on another rank */
-  PetscInt  first[MPM_MAX_DIM], count[MPM_MAX_DIM];
-  PetscReal line[MPM_MAX_DIM][16]; /* weights by axis, at these nodes */
-  PetscReal area, place[MPM_MAX_DIM], normal[MPM_MAX_DIM];
-  PetscReal modulus; /* scale of its penalty, Pa */
-  PetscReal astray;  /* distance of the point from where it should be beside the surface, m */
-  PetscReal kept[MPM_PIECE_SLOTS];
-} MpmPiece;
 
 /* State of a patch. */
 typedef enum { MPM_PATCH_OPEN, MPM_PATCH_STICKS, MPM_PATCH_SLIDES } MpmPatchState;
@@ -66,34 +42,20 @@ typedef struct {
   PetscBool bare;            /* there were none in the last step that was taken: points keep nothing of contact */
 } MpmContactNewton;
 
-typedef struct MpmFaceBoxes MpmFaceBoxes; /* contact_search.h */
-
 /* Facets of this rank's points, and their patches. */
 typedef struct MpmContacts {
-  PetscInt           boundary_count;
-  const MpmBoundary *boundaries;
-  MpmPose           *before, *after; /* the boundaries' at the step's start and end */
-  MpmRigidBody      *bodies;         /* those whose place is solved for, by boundary; NULL: there is none */
-  const MpmBodies   *shaped;         /* the material's, or NULL */
-  PetscInt           material_count;
-  PetscInt           adrift; /* a body that met nothing on its way, or -1 */
+  MpmFacets facets;
+  PetscInt  material_count;
+  PetscInt  adrift; /* a body that met nothing on its way, or -1 */
   PetscReal (*reaction)[MPM_MAX_DIM],
     *depth;                         /* of the last step: forces on the material; deepest mean gaps behind, m */
   PetscReal (*moment)[MPM_MAX_DIM]; /* of those forces about the boundary's reference point */
-  PetscBool *cut;                   /* by boundary: it cut the lattice of points at the start; NULL: not known yet */
-  PetscBool *drawn; /* in this step bilateral facets are pieces of the boundary's surface (surface_shares.c) */
-  PetscReal  cell;  /* the smallest size of one, m */
-  PetscReal  touch,
-    tilt; /* a patch no further away touches; so far may facets be off the surface where their patch is on it */
-  const PetscReal *moved; /* explicit steps: displacements, contact having acted at others; or NULL */
+  PetscReal        tilt;            /* distance that facets may have from the surface where their patch is on it, m */
+  const PetscReal *moved;           /* explicit steps: displacements, contact having acted at others; or NULL */
   MpmContactNewton newton;
-  PetscInt         facet_count, capacity, patch_count, most; /* most: facets of a patch */
-  MpmFacet        *facet;
+  PetscInt         patch_count, most; /* most: facets of a patch */
   MpmPatch        *patch;
-  PetscInt         piece_own, piece_count; /* this rank's, and with the neighbours' */
-  MpmPiece        *piece;
   PetscReal       *weight;
-  MpmFaceBoxes    *boxes;   /* of the step's points */
   PetscBool        weighed; /* the weights are those of the facets that were found last */
 } MpmContacts;
 
@@ -102,9 +64,10 @@ typedef struct MpmContacts {
   masses of the local nodes (contact_patch.c).
 */
 PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
-/* The body whose place is solved for, or NULL. */
-const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt boundary);
-/* The placement of such a boundary, `block` values a node, goes on by the step's unknowns u; that of others stays. */
+/*
+  The placement of a boundary whose place is solved for goes on by the step's unknowns u, `block` values a node; that of
+  others stays.
+*/
 void MpmBoundaryAdvance(const MpmContacts *contacts, PetscInt boundary, PetscInt block, const PetscReal u[],
                         MpmPlacement *placement);
 
@@ -141,7 +104,7 @@ void MpmContactsGive(void *ctx, PetscReal give);
 /* By how much a boundary gives. */
 static inline PetscReal MpmContactsGiving(const MpmContacts *contacts, PetscInt boundary)
 {
-  return contacts->boundaries[boundary].stick ? 1. : contacts->newton.give;
+  return contacts->facets.boundaries[boundary].stick ? 1. : contacts->newton.give;
 }
 
 /* One patch (contact_patch.c): k' of contact that may slide, over the stiffness across. */
@@ -165,11 +128,8 @@ PetscReal MpmFacetStiffness(const MpmContacts *contacts, const MpmPatch *patch, 
 /* Its weights at the nodes of the patch's box, sum_i w_i u_i over them, and y_i += factor w_i force. */
 static inline const PetscReal *MpmFacetWeights(const MpmContacts *contacts, PetscInt facet)
 {
-  return &contacts->weight[contacts->facet[facet].weight];
+  return &contacts->weight[contacts->facets.at[facet].weight];
 }
-/* By axis, at the nodes of its point's group (facet_weights.c); `line` has room for MPM_MAX_WIDTH of them on each. */
-void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
-                   PetscReal (*line)[16]);
 /* A nodal field of `dim` components, at a facet: by the nodes of its patch's box, or of another one. */
 void MpmPatchValue(const MpmContacts *contacts, const MpmSum *sum, const MpmPatch *patch, PetscInt facet,
                    const PetscReal u[], PetscReal value[]);
@@ -181,59 +141,19 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
 /* Room for the boundaries' poses and reactions; the boundaries are borrowed. */
 PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[], MpmContacts *contacts);
 PetscErrorCode MpmContactsDestroy(MpmContacts *contacts);
-/* Refuses points of the scene that do not suit a boundary. */
-PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles);
 /* Finds the step's patches and appends their boxes to the space (a term's `boxes`). */
 PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
-/* Distance from a facet's boundary as it stands at the step's start, or is expected to stand where it is free. */
-void MpmContactsStartDistance(const MpmContacts *contacts, const PetscReal outward[], MpmFacet *facet,
-                              MpmSurface *surface);
-/*
-  Round bodies of the material (round_facets.c). Sees: true where a face belongs to a round surface that the boundary
-  accepts. Add then adds its facets, where they are no farther from the boundary than `margin`.
-*/
-PetscBool      MpmContactsSeesRound(const MpmContacts *contacts, const MpmPoints *points, PetscInt boundary, PetscInt p,
-                                    PetscInt face);
-PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,
-                                   const MpmFacet *start);
-/*
-  Faces near an edge of the boundary (edge_facets.c), in cells of sizes h, m; `sides`: the vectors of half of a face's
-  dim - 1 sides. AtEdge: marks a single facet, and returns the number of slices of its face, or 0. SlicePlace: from the
-  face's middle to the slice's.
-*/
-PetscInt       MpmContactsAtEdge(const MpmContacts *contacts, const PetscReal h[], PetscReal (*sides)[MPM_MAX_DIM],
-                                 const MpmSurface *surface, MpmFacet *facet);
-void           MpmContactsSlicePlace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], MpmFacet *slice);
-PetscErrorCode MpmContactsAddFacet(MpmContacts *contacts, const MpmFacet *facet);
-/*
-  A step whose forces balance at `part` of it: round facets of boundaries whose motion is prescribed touch where they
-  are then, by the nodes' velocities v at the step's start, m/s, dim a node, as they turn until its end.
-*/
-PetscErrorCode MpmContactsTurn(void *ctx, const MpmSum *sum, const PetscReal v[], PetscReal part);
-/* The number of the cell of a place, of a part of the material. */
-PetscInt64 MpmContactsCell(const MpmGrid *grid, const PetscReal x[], PetscInt part);
-/* Distance from a boundary as it stands at the step's start, or is expected to stand where it is free. */
-void MpmContactsDistance(const MpmContacts *contacts, PetscInt boundary, const PetscReal x[], MpmSurface *surface);
-/* Adds the shares of the points in the boundary's own surface as facets (surface_shares.c). Collective. */
-PetscErrorCode MpmSurfaceShares(MpmContacts *contacts, PetscInt boundary, const MpmGrid *grid, const MpmSpace *space,
-                                const MpmPoints *points);
-/*
-  Pieces of surfaces along which material slides (surface_pieces.c). Spread: the facets that are such pieces are
-  replaced by those at the nodes, with those of neighbouring ranks. Boxes: of the neighbours' nodes. Load: what their
-  points keep. All but boxes collective.
-*/
-PetscBool      MpmContactsSpreads(const MpmContacts *contacts, PetscInt boundary);
-PetscErrorCode MpmPiecesSpread(MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
-                               const MpmSpace *space);
-PetscErrorCode MpmPiecesAppendBoxes(const MpmContacts *contacts, MpmSpace *space);
-PetscErrorCode MpmPiecesLoad(MpmContacts *contacts, const MpmTermStep *step);
 /* Slips, pressures and gaps with which the step starts, from those that points keep (contact_kept.c). */
 PetscErrorCode MpmContactsLoad(MpmContacts *contacts, const MpmTermStep *step);
-/* Points of bilateral boundaries with a tension let go for good where a patch is pulled by more. */
-PetscErrorCode MpmContactsBreak(MpmContacts *contacts, const MpmPatchAnswer answers[], MpmParticles *particles);
-/* By so much the material comes nearer in this step, m. */
-PetscReal MpmPieceWayBack(const MpmContacts *contacts, const MpmFacet *facet);
-/* The nodes that a facet touches: those of its point's group, or of its piece. */
-MpmGroup MpmFacetBox(const MpmContacts *contacts, const MpmSpace *space, const MpmFacet *facet);
+/* The points keep the converged step's: slips, pressures and gaps, and where they have let go (contact_kept.c). */
+PetscErrorCode MpmContactsKeep(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                               MpmParticles *particles);
+/*
+  Method augmented (contact_augmented.c). Augment: where the largest error of depth over its tolerance is above 1, the
+  pressures become those of the patches at u; collective. IsCorrected: true where a patch's depth is corrected: not for
+  a single facet nearly perpendicular to the boundary.
+*/
+PetscErrorCode MpmContactsAugment(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool first, PetscReal *worst);
+PetscBool      MpmPatchIsCorrected(const MpmContacts *contacts, const MpmPatch *patch);
 /* Weights of the facets, and their slips at the step's start (a term's `prepare`). */
 PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step);

@@ -1,18 +1,23 @@
 /*
-  Values that the points beside boundaries keep from step to step: slips, gaps, pressures. Here they are written into
-  the patches at a step's start.
+  Values that the points beside boundaries keep from step to step: slips, gaps, pressures, and whether they have let go.
+  A step's patches start with them, and leave them to their points.
 */
 #include "particles/particles.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "space/sum.h"
 #include "assembly/terms.h"
 #include "contact/contact.h"
 #include "contact/rigid_body.h"
 
+/* ---- from the points ---- */
+
 /* A number that a facet's point keeps. */
 static PetscReal Kept(const MpmContacts *contacts, PetscInt f, const PetscReal field[], MpmPieceSlot slot)
 {
-  const MpmFacet *facet = &contacts->facet[f];
+  const MpmFacet *facet = &contacts->facets.at[f];
 
-  return facet->piece ? contacts->piece[facet->piece - 1].kept[slot] : field[facet->point];
+  return facet->piece ? contacts->facets.pieces.at[facet->piece - 1].kept[slot] : field[facet->point];
 }
 
 /*
@@ -22,15 +27,15 @@ static PetscReal Kept(const MpmContacts *contacts, PetscInt f, const PetscReal f
 static PetscErrorCode Load(const MpmContacts *contacts, PetscInt b, const char *field, MpmPieceSlot slot,
                            MpmParticles *particles, PetscReal value[])
 {
-  const MpmBoundary *boundary = &contacts->boundaries[b];
+  const MpmBoundary *boundary = &contacts->facets.boundaries[b];
   PetscReal         *kept, *gap = NULL;
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetField(particles, field, &kept));
-  for (PetscInt f = 0; f < contacts->facet_count; f++)
-    if (contacts->facet[f].boundary == b) value[f] = Kept(contacts, f, kept, slot);
+  for (PetscInt f = 0; f < contacts->facets.count; f++)
+    if (contacts->facets.at[f].boundary == b) value[f] = Kept(contacts, f, kept, slot);
   PetscCall(MpmParticlesRestoreField(particles, &kept));
-  if (!contacts->drawn[b]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!contacts->facets.drawn[b]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetField(particles, boundary->gap_field, &gap));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPatch *patch = &contacts->patch[k];
@@ -39,8 +44,8 @@ static PetscErrorCode Load(const MpmContacts *contacts, PetscInt b, const char *
     if (patch->boundary != b) continue;
     for (PetscInt f = patch->begin; f < patch->end; f++) {
       if (Kept(contacts, f, gap, MPM_PIECE_GAP) == 0.) continue;
-      sum += contacts->facet[f].area * value[f];
-      area += contacts->facet[f].area;
+      sum += contacts->facets.at[f].area * value[f];
+      area += contacts->facets.at[f].area;
     }
     for (PetscInt f = patch->begin; area > 0. && f < patch->end; f++)
       if (Kept(contacts, f, gap, MPM_PIECE_GAP) == 0.) value[f] = sum / area;
@@ -55,19 +60,19 @@ static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, 
   PetscReal *value;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(contacts->facet_count, &value));
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    for (PetscInt a = 0; contacts->boundaries[b].tangential && a < dim; a++) {
-      PetscCall(
-        Load(contacts, b, contacts->boundaries[b].slip_field[a], (MpmPieceSlot)(MPM_PIECE_SLIP + a), particles, value));
-      for (PetscInt k = 0; k < contacts->facet_count; k++)
-        if (contacts->facet[k].boundary == b) contacts->facet[k].slip[a] = value[k];
+  PetscCall(PetscMalloc1(contacts->facets.count, &value));
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    for (PetscInt a = 0; contacts->facets.boundaries[b].tangential && a < dim; a++) {
+      PetscCall(Load(contacts, b, contacts->facets.boundaries[b].slip_field[a], (MpmPieceSlot)(MPM_PIECE_SLIP + a),
+                     particles, value));
+      for (PetscInt k = 0; k < contacts->facets.count; k++)
+        if (contacts->facets.at[k].boundary == b) contacts->facets.at[k].slip[a] = value[k];
     }
   }
   PetscCall(PetscFree(value));
-  for (PetscInt k = 0; k < contacts->facet_count; k++) {
-    MpmFacet           *facet = &contacts->facet[k];
-    const MpmRigidBody *body  = MpmContactsBody(contacts, facet->boundary);
+  for (PetscInt k = 0; k < contacts->facets.count; k++) {
+    MpmFacet           *facet = &contacts->facets.at[k];
+    const MpmRigidBody *body  = MpmFacetsBody(&contacts->facets, facet->boundary);
     PetscReal           dot   = 0.;
 
     if (body) MpmRigidPullVector(body, facet->slip);
@@ -86,17 +91,17 @@ static PetscErrorCode LoadGaps(MpmContacts *contacts, MpmParticles *particles)
   PetscReal *gap;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(contacts->facet_count, &gap));
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    if (!contacts->drawn[b]) continue;
-    PetscCall(Load(contacts, b, contacts->boundaries[b].gap_field, MPM_PIECE_GAP, particles, gap));
-    for (PetscInt k = 0; k < contacts->facet_count; k++) {
-      MpmFacet  *facet = &contacts->facet[k];
+  PetscCall(PetscMalloc1(contacts->facets.count, &gap));
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    if (!contacts->facets.drawn[b]) continue;
+    PetscCall(Load(contacts, b, contacts->facets.boundaries[b].gap_field, MPM_PIECE_GAP, particles, gap));
+    for (PetscInt k = 0; k < contacts->facets.count; k++) {
+      MpmFacet  *facet = &contacts->facets.at[k];
       MpmSurface surface;
 
       if (facet->boundary != b) continue;
-      MpmBoundaryDistance(&contacts->boundaries[b], &contacts->before[b], facet->place, &surface);
-      facet->touches = surface.distance - gap[k] - MpmPieceWayBack(contacts, facet);
+      MpmBoundaryDistance(&contacts->facets.boundaries[b], &contacts->facets.before[b], facet->place, &surface);
+      facet->touches = surface.distance - gap[k] - MpmPieceWayBack(&contacts->facets, facet);
     }
   }
   PetscCall(PetscFree(gap));
@@ -109,17 +114,18 @@ static PetscErrorCode LoadPressures(MpmContacts *contacts, MpmParticles *particl
   PetscReal *pressure;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(contacts->facet_count, &pressure));
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    if (!contacts->boundaries[b].augmented) continue;
-    PetscCall(Load(contacts, b, contacts->boundaries[b].pressure_field, MPM_PIECE_PRESSURE, particles, pressure));
+  PetscCall(PetscMalloc1(contacts->facets.count, &pressure));
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    if (!contacts->facets.boundaries[b].augmented) continue;
+    PetscCall(
+      Load(contacts, b, contacts->facets.boundaries[b].pressure_field, MPM_PIECE_PRESSURE, particles, pressure));
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       MpmPatch *patch = &contacts->patch[k];
 
       if (patch->boundary != b) continue;
       patch->shift = 0.;
       for (PetscInt f = patch->begin; f < patch->end; f++)
-        patch->shift += contacts->facet[f].area / patch->area * pressure[f] / patch->stiffness;
+        patch->shift += contacts->facets.at[f].area / patch->area * pressure[f] / patch->stiffness;
     }
   }
   PetscCall(PetscFree(pressure));
@@ -132,43 +138,19 @@ static PetscErrorCode LoadBroken(MpmContacts *contacts, MpmParticles *particles)
   PetscReal *broken;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    if (!contacts->boundaries[b].broken_field) continue;
-    PetscCall(MpmParticlesGetField(particles, contacts->boundaries[b].broken_field, &broken));
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    if (!contacts->facets.boundaries[b].broken_field) continue;
+    PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].broken_field, &broken));
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       MpmPatch *patch = &contacts->patch[k];
       PetscReal area  = 0.;
 
       for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++) {
-        const PetscInt p = contacts->facet[f].point;
+        const PetscInt p = contacts->facets.at[f].point;
 
-        if (p >= 0 && broken[p] > 0.) area += contacts->facet[f].area;
+        if (p >= 0 && broken[p] > 0.) area += contacts->facets.at[f].area;
       }
       patch->broken = (PetscBool)(area > 0.5 * patch->area);
-    }
-    PetscCall(MpmParticlesRestoreField(particles, &broken));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmContactsBreak(MpmContacts *contacts, const MpmPatchAnswer answers[], MpmParticles *particles)
-{
-  PetscReal *broken;
-
-  PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    if (!contacts->boundaries[b].broken_field) continue;
-    PetscCall(MpmParticlesGetField(particles, contacts->boundaries[b].broken_field, &broken));
-    for (PetscInt k = 0; k < contacts->patch_count; k++) {
-      const MpmPatch *patch = &contacts->patch[k];
-      const PetscBool tears =
-        (PetscBool)(patch->broken || patch->stiffness * answers[k].gap > contacts->boundaries[b].tension);
-
-      for (PetscInt f = patch->begin; patch->boundary == b && tears && f < patch->end; f++) {
-        const PetscInt p = contacts->facet[f].point;
-
-        if (p >= 0) broken[p] = 1.;
-      }
     }
     PetscCall(MpmParticlesRestoreField(particles, &broken));
   }
@@ -179,10 +161,157 @@ PetscErrorCode MpmContactsLoad(MpmContacts *contacts, const MpmTermStep *step)
 {
   PetscFunctionBeginUser;
   contacts->newton.give = 1.;
-  if (!contacts->facet_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(LoadSlips(contacts, step->particles, contacts->boundaries[0].dim));
+  if (!contacts->facets.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(LoadSlips(contacts, step->particles, contacts->facets.boundaries[0].dim));
   PetscCall(LoadPressures(contacts, step->particles));
   PetscCall(LoadGaps(contacts, step->particles));
   PetscCall(LoadBroken(contacts, step->particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- to the points ---- */
+
+/* A facet's point keeps a number of its patch: where it belongs to several, the mean over them. */
+static void Keep(const MpmFacet *facet, PetscReal value, PetscReal kept[])
+{
+  if (facet->point < 0) return;
+  if (facet->piece || facet->key.round || facet->key.single) kept[facet->point] += facet->portion * value;
+  else kept[facet->point] = value;
+}
+
+/* Portions by area of a boundary's round and single facets that touch, among those of the same point. */
+static PetscErrorCode ShareParts(const MpmContacts *contacts, PetscInt b, const MpmSum *sum,
+                                 const MpmPatchAnswer answers[])
+{
+  const PetscBool keeps =
+    (PetscBool)(contacts->facets.boundaries[b].tangential || contacts->facets.boundaries[b].augmented);
+  PetscBool  any = PETSC_FALSE;
+  PetscReal *area;
+
+  PetscFunctionBeginUser;
+  for (PetscInt f = 0; keeps && f < contacts->facets.count && !any; f++)
+    any = (PetscBool)(contacts->facets.at[f].boundary == b &&
+                      (contacts->facets.at[f].key.round || contacts->facets.at[f].key.single));
+  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(sum->points->count, &area));
+  for (PetscInt k = 0; k < 2 * contacts->patch_count; k++) {
+    const PetscInt  at    = k % contacts->patch_count;
+    const MpmPatch *patch = &contacts->patch[at];
+
+    for (PetscInt f = patch->begin; patch->boundary == b && answers[at].active && f < patch->end; f++) {
+      MpmFacet *facet = &contacts->facets.at[f];
+
+      if (!facet->key.round && !facet->key.single) continue;
+      if (k < contacts->patch_count) area[facet->point] += facet->area;
+      else facet->portion = facet->area / area[facet->point];
+    }
+  }
+  PetscCall(PetscFree(area));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The points of a patch keep its slip while it touches. */
+static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                                MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    for (PetscInt a = 0; contacts->facets.boundaries[b].tangential && a < sum->space->dim; a++) {
+      PetscReal *slip;
+
+      PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].slip_field[a], &slip));
+      PetscCall(MpmPointsClear(sum->points->count, slip));
+      for (PetscInt k = 0; k < contacts->patch_count; k++)
+        for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
+          if (answers[k].active)
+            Keep(&contacts->facets.at[f], answers[k].slip[a] / MpmContactsGiving(contacts, b),
+                 slip); /* a corner may not touch as its faces do */
+      PetscCall(MpmParticlesRestoreField(particles, &slip));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The points of a patch keep its pressure. */
+static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                                    MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    const char *field = contacts->facets.boundaries[b].pressure_field;
+    PetscReal  *pressure;
+
+    if (!contacts->facets.boundaries[b].augmented) continue;
+    PetscCall(MpmParticlesGetField(particles, field, &pressure));
+    PetscCall(MpmPointsClear(sum->points->count, pressure));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPatch *patch = &contacts->patch[k];
+
+      for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
+        Keep(&contacts->facets.at[f], -patch->stiffness * answers[k].gap, pressure);
+    }
+    PetscCall(MpmParticlesRestoreField(particles, &pressure));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The points of a bilateral patch keep its gap. */
+static PetscErrorCode KeepGaps(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                               MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    const char *field = contacts->facets.boundaries[b].gap_field;
+    PetscReal  *gap;
+
+    if (!contacts->facets.boundaries[b].bilateral) continue;
+    PetscCall(MpmParticlesGetField(particles, field, &gap));
+    PetscCall(MpmPointsClear(sum->points->count, gap));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPatch *patch = &contacts->patch[k];
+
+      for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
+        Keep(&contacts->facets.at[f], answers[k].gap + patch->shift, gap);
+    }
+    PetscCall(MpmParticlesRestoreField(particles, &gap));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Points of bilateral boundaries with a tension let go for good where a patch is pulled by more. */
+static PetscErrorCode Break(const MpmContacts *contacts, const MpmPatchAnswer answers[], MpmParticles *particles)
+{
+  PetscReal *broken;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    if (!contacts->facets.boundaries[b].broken_field) continue;
+    PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].broken_field, &broken));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPatch *patch = &contacts->patch[k];
+      const PetscBool tears =
+        (PetscBool)(patch->broken || patch->stiffness * answers[k].gap > contacts->facets.boundaries[b].tension);
+
+      for (PetscInt f = patch->begin; patch->boundary == b && tears && f < patch->end; f++) {
+        const PetscInt p = contacts->facets.at[f].point;
+
+        if (p >= 0) broken[p] = 1.;
+      }
+    }
+    PetscCall(MpmParticlesRestoreField(particles, &broken));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsKeep(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                               MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  if (!contacts->newton.near && contacts->newton.bare) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) PetscCall(ShareParts(contacts, b, sum, answers));
+  PetscCall(KeepSlips(contacts, sum, answers, particles));
+  PetscCall(KeepPressures(contacts, sum, answers, particles));
+  PetscCall(KeepGaps(contacts, sum, answers, particles));
+  PetscCall(Break(contacts, answers, particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -74,7 +74,7 @@ static void Glide(const MpmBoundary *boundary, const MpmPatch *patch, PetscReal 
 /* The traction along the surface that goes with the mean slip, and its derivatives. */
 static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchAnswer *answer)
 {
-  const MpmBoundary  *boundary = &contacts->boundaries[patch->boundary];
+  const MpmBoundary  *boundary = &contacts->facets.boundaries[patch->boundary];
   const PetscReal     adhesion = patch->held ? PETSC_INFINITY : boundary->adhesion;
   const PetscReal     strength = patch->held ? PETSC_INFINITY : patch->strength;
   const MpmContactLaw law      = {.stiffness = patch->stiffness,
@@ -128,17 +128,17 @@ static PetscReal Beyond(const MpmContacts *contacts, PetscBool holds, PetscReal 
 */
 static void Distances(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work)
 {
-  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
-  const MpmPose     *before = &contacts->before[patch->boundary], *after = &contacts->after[patch->boundary];
-  const PetscInt     dim = boundary->dim;
+  const MpmBoundary *boundary = &contacts->facets.boundaries[patch->boundary];
+  const MpmPose *before = &contacts->facets.before[patch->boundary], *after = &contacts->facets.after[patch->boundary];
+  const PetscInt dim = boundary->dim;
 
   for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const MpmFacet *facet           = &contacts->facet[f];
+    const MpmFacet *facet           = &contacts->facets.at[f];
     MpmSurface     *surface         = &work->surface[f - patch->begin];
     PetscReal       at[MPM_MAX_DIM] = {0., 0., 0.}, foot[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + work->value[f - patch->begin][a];
-    if (!facet->side) {
+    if (!facet->key.side) {
       MpmBoundaryDistance(boundary, after, at, surface);
       continue;
     }
@@ -156,10 +156,10 @@ static void Slip(const MpmContacts *contacts, const MpmPatch *patch, PetscInt di
 {
   for (PetscInt a = 0; a < dim; a++) slip[a] = 0.;
   for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const MpmFacet *facet = &contacts->facet[f];
+    const MpmFacet *facet = &contacts->facets.at[f];
     PetscReal       way[MPM_MAX_DIM];
 
-    Relative(&contacts->before[patch->boundary], &contacts->after[patch->boundary], dim, facet->place,
+    Relative(&contacts->facets.before[patch->boundary], &contacts->facets.after[patch->boundary], dim, facet->place,
              work->value[f - patch->begin], way);
     MpmContactAcross(dim, facet->normal, way);
     for (PetscInt a = 0; a < dim; a++) slip[a] += facet->area / patch->area * (facet->slip[a] + way[a]);
@@ -168,7 +168,7 @@ static void Slip(const MpmContacts *contacts, const MpmPatch *patch, PetscInt di
 
 void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchWork *work, MpmPatchAnswer *answer)
 {
-  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+  const MpmBoundary *boundary = &contacts->facets.boundaries[patch->boundary];
   const PetscInt     dim      = boundary->dim;
 
   const PetscBool holds = (PetscBool)(boundary->bilateral && !patch->broken);
@@ -176,7 +176,7 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
   *answer = (MpmPatchAnswer){.active = holds};
   Distances(contacts, patch, work);
   for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const MpmFacet *facet   = &contacts->facet[f];
+    const MpmFacet *facet   = &contacts->facets.at[f];
     MpmSurface     *surface = &work->surface[f - patch->begin];
     const PetscReal share   = facet->area / patch->area;
     PetscReal      *value   = work->value[f - patch->begin], at[MPM_MAX_DIM];
@@ -184,14 +184,14 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + value[a];
     /* rounding of the place counts where a body's balance depends on its depth */
 
-    for (PetscInt a = 0; a < dim && MpmContactsBody(contacts, patch->boundary); a++)
+    for (PetscInt a = 0; a < dim && MpmFacetsBody(&contacts->facets, patch->boundary); a++)
       surface->distance += surface->normal[a] * (value[a] - (at[a] - facet->place[a]));
     work->beyond[f - patch->begin] = Beyond(contacts, holds, surface->distance - facet->touches - facet->turn);
     if (work->beyond[f - patch->begin] != 0.) answer->any = PETSC_TRUE;
     answer->gap += share * (surface->distance - facet->touches - facet->turn);
   }
   answer->gap -= patch->shift;
-  if (!holds) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->touch);
+  if (!holds) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->facets.touch);
   if (!answer->active) {
     answer->gap = 0.;
     return;
@@ -224,7 +224,7 @@ void MpmPatchKeepSlip(const MpmContacts *contacts, const MpmPatch *patch, const 
   const PetscInt dim    = sum->space->dim;
   PetscReal      square = 0., most = 0.;
 
-  if (!answer->active || !contacts->boundaries[patch->boundary].tangential) return;
+  if (!answer->active || !contacts->facets.boundaries[patch->boundary].tangential) return;
   for (PetscInt a = 0; a < dim; a++) most += PetscSqr(answer->slip[a]);
   Values(contacts, patch, sum, u, work);
   Slip(contacts, patch, dim, work, answer->slip);
@@ -236,9 +236,9 @@ void MpmPatchKeepSlip(const MpmContacts *contacts, const MpmPatch *patch, const 
 void MpmFacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
                    const MpmPatchAnswer *answer, PetscReal force[])
 {
-  const MpmFacet *facet  = &contacts->facet[f];
+  const MpmFacet *facet  = &contacts->facets.at[f];
   const PetscReal normal = answer->stiffness * answer->gap + patch->stiffness * work->beyond[f - patch->begin];
-  const PetscInt  dim    = contacts->boundaries[patch->boundary].dim;
+  const PetscInt  dim    = contacts->facets.boundaries[patch->boundary].dim;
 
   for (PetscInt a = 0; a < dim; a++) force[a] = answer->traction[a];
   MpmContactAcross(dim, facet->normal, force);
@@ -254,7 +254,7 @@ PetscReal MpmFacetStiffness(const MpmContacts *contacts, const MpmPatch *patch, 
   PetscReal         value   = (answer->stiffness * answer->gap + patch->stiffness * beyond) * surface->second[c][d];
 
   if (beyond != 0.) value += patch->stiffness * surface->normal[c] * surface->normal[d];
-  return contacts->facet[f].area * value;
+  return contacts->facets.at[f].area * value;
 }
 
 /*
@@ -279,7 +279,7 @@ static PetscReal InverseMass(const MpmContacts *contacts, const MpmSum *sum, con
 
     if (nodes[i] < 0) continue;
     for (PetscInt f = patch->begin; f < patch->end; f++)
-      w += contacts->facet[f].area / patch->area * MpmFacetWeights(contacts, f)[i];
+      w += contacts->facets.at[f].area / patch->area * MpmFacetWeights(contacts, f)[i];
     if (w != 0. && mass[nodes[i]] > 0.) total += w * w / mass[nodes[i]];
   }
   return total;
@@ -294,9 +294,9 @@ PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal ma
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch       *patch   = &contacts->patch[k];
     const PetscReal inverse = InverseMass(contacts, sum, patch, mass);
-    const PetscReal area    = patch->round || contacts->facet[patch->begin].single
-                                ? PetscPowRealInt(contacts->cell, sum->space->dim - 1) *
-                                 MpmTurn(sum->points->F_size, contacts->facet[patch->begin].place[0])
+    const PetscReal area    = patch->round || contacts->facets.at[patch->begin].key.single
+                                ? PetscPowRealInt(contacts->facets.cell, sum->space->dim - 1) *
+                                 MpmTurn(sum->points->F_size, contacts->facets.at[patch->begin].place[0])
                                 : patch->area;
 
     if (!(area > 0.) || !(inverse > 0.)) continue;

@@ -25,7 +25,7 @@
 static MpmPatchState StateOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                              MpmPatchWork *work, MpmPatchAnswer *answer)
 {
-  if (MpmContactsBody(contacts, patch->boundary)) MpmRigidEvaluate(contacts, patch, sum, u, work, answer);
+  if (MpmFacetsBody(&contacts->facets, patch->boundary)) MpmRigidEvaluate(contacts, patch, sum, u, work, answer);
   else MpmPatchEvaluateAt(contacts, patch, sum, u, work, answer);
   if (!answer->active) return MPM_PATCH_OPEN;
   return answer->slides ? MPM_PATCH_SLIDES : MPM_PATCH_STICKS;
@@ -37,11 +37,11 @@ static PetscReal StartGap(const MpmContacts *contacts, const MpmPatch *patch)
   PetscReal gap = -patch->shift;
 
   for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const MpmFacet *facet = &contacts->facet[f];
+    const MpmFacet *facet = &contacts->facets.at[f];
     MpmSurface      surface;
 
-    MpmContactsDistance(contacts, patch->boundary, facet->place, &surface);
-    gap += facet->area / patch->area * ((facet->side ? facet->distance : surface.distance) - facet->touches);
+    MpmFacetsDistance(&contacts->facets, patch->boundary, facet->place, &surface);
+    gap += facet->area / patch->area * ((facet->key.side ? facet->distance : surface.distance) - facet->touches);
   }
   return gap;
 }
@@ -53,7 +53,7 @@ static PetscBool Turned(const MpmContacts *contacts, const MpmPatch *patch, cons
 
   for (PetscInt f = patch->begin; f < patch->end; f++)
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-      slip[a] += contacts->facet[f].area / patch->area * contacts->facet[f].slip[a];
+      slip[a] += contacts->facets.at[f].area / patch->area * contacts->facets.at[f].slip[a];
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     along += slip[a] * answer->slip[a];
     square += PetscSqr(answer->slip[a]);
@@ -66,13 +66,13 @@ static PetscBool Turned(const MpmContacts *contacts, const MpmPatch *patch, cons
 static void Hold(const MpmContacts *contacts, MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                  MpmPatchWork *work)
 {
-  const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
+  const MpmBoundary *boundary = &contacts->facets.boundaries[patch->boundary];
   const PetscReal    gap      = StartGap(contacts, patch);
   const PetscReal    limit    = patch->stiffness * boundary->friction * PetscMax(-gap, 0.) + boundary->adhesion;
   PetscReal          size     = 0.;
   MpmPatchAnswer     answer;
 
-  if (MpmContactsBody(contacts, patch->boundary) || gap > contacts->touch) return;
+  if (MpmFacetsBody(&contacts->facets, patch->boundary) || gap > contacts->facets.touch) return;
   patch->held = PETSC_TRUE;
   if (!boundary->tangential || boundary->stick) return;
   (void)StateOf(contacts, patch, sum, u, work, &answer); /* sticks: the whole slip */
@@ -89,7 +89,7 @@ PetscErrorCode MpmContactsBegin(void *ctx, const MpmSum *sum, const PetscReal u[
 
   PetscFunctionBeginUser;
   MpmContactsEnd(contacts);
-  if (!contacts->boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!contacts->facets.boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
   contacts->newton.careful = careful;
   contacts->newton.least   = MPM_CONTACT_LEAST;
   PetscCall(MpmPatchWorkCreate(contacts, &work));
@@ -145,9 +145,9 @@ void MpmContactsGive(void *ctx, PetscReal give)
 {
   MpmContacts *contacts = (MpmContacts *)ctx;
 
-  for (PetscInt k = 0; k < contacts->facet_count; k++)
-    for (PetscInt a = 0; a < MPM_MAX_DIM && !contacts->boundaries[contacts->facet[k].boundary].stick; a++)
-      contacts->facet[k].slip[a] *= give / contacts->newton.give;
+  for (PetscInt k = 0; k < contacts->facets.count; k++)
+    for (PetscInt a = 0; a < MPM_MAX_DIM && !contacts->facets.boundaries[contacts->facets.at[k].boundary].stick; a++)
+      contacts->facets.at[k].slip[a] *= give / contacts->newton.give;
   contacts->newton.give = give;
 }
 

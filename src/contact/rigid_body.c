@@ -29,9 +29,10 @@ static PetscErrorCode Boxes(void *ctx, const MpmRules *rules, const MpmPoints *p
   PetscFunctionBeginUser;
   (void)rules;
   (void)points;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++)
-    if (contacts->bodies[b].freedom)
-      PetscCall(MpmSpaceAppendNodes(space, 2, contacts->bodies[b].freedom->free, &contacts->bodies[b].extra));
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++)
+    if (contacts->facets.bodies[b].freedom)
+      PetscCall(
+        MpmSpaceAppendNodes(space, 2, contacts->facets.bodies[b].freedom->free, &contacts->facets.bodies[b].extra));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -41,13 +42,13 @@ static PetscErrorCode Link(void *ctx, MpmSpace *space)
   MpmContacts *contacts = (MpmContacts *)ctx;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    contacts->bodies[b].node = space->extra.begin + contacts->bodies[b].extra;
-    if (contacts->bodies[b].freedom) PetscCall(MpmSpaceLink(space, -1, contacts->bodies[b].extra, 2));
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    contacts->facets.bodies[b].node = space->extra.begin + contacts->facets.bodies[b].extra;
+    if (contacts->facets.bodies[b].freedom) PetscCall(MpmSpaceLink(space, -1, contacts->facets.bodies[b].extra, 2));
   }
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPatch     *patch = &contacts->patch[k];
-    const MpmRigidBody *body  = MpmContactsBody(contacts, patch->boundary);
+    const MpmRigidBody *body  = MpmFacetsBody(&contacts->facets, patch->boundary);
 
     if (body) PetscCall(MpmSpaceLink(space, patch->box, body->extra, 2));
   }
@@ -68,7 +69,7 @@ static PetscReal Lift(const MpmContacts *contacts, const MpmSum *sum)
   PetscReal modulus = 0.;
 
   for (PetscInt m = 0; m < contacts->material_count; m++) modulus = PetscMax(modulus, sum->materials[m].penalty);
-  return LIFT * modulus * PetscPowRealInt(contacts->cell, sum->space->dim - 2);
+  return LIFT * modulus * PetscPowRealInt(contacts->facets.cell, sum->space->dim - 2);
 }
 
 /* True where this rank owns the bodies' nodes. */
@@ -81,7 +82,7 @@ static PetscBool Owns(const MpmSpace *space)
 static PetscBool PatchAt(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                          MpmRigidIncrement *q, MpmRigidWork *work)
 {
-  MpmRigidIncrementAt(&contacts->bodies[patch->boundary], sum->block, u, q);
+  MpmRigidIncrementAt(&contacts->facets.bodies[patch->boundary], sum->block, u, q);
   for (PetscInt f = patch->begin; f < patch->end; f++)
     MpmPatchValue(contacts, sum, patch, f, u, work->u[f - patch->begin]);
   MpmRigidPatch(contacts, patch, q, work);
@@ -93,8 +94,8 @@ static void Guess(const void *ctx, const MpmSum *sum, PetscReal factor, PetscSca
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
 
-  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
-    const MpmRigidBody *body    = &contacts->bodies[b];
+  for (PetscInt b = 0; b < contacts->facets.boundary_count && Owns(sum->space); b++) {
+    const MpmRigidBody *body    = &contacts->facets.bodies[b];
     PetscBool           settled = PETSC_FALSE;
 
     if (!body->freedom) continue;
@@ -111,8 +112,8 @@ static void Mode(const void *ctx, const MpmSum *sum, const PetscReal origin[], c
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
 
-  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
-    const MpmRigidBody *body = &contacts->bodies[b];
+  for (PetscInt b = 0; b < contacts->facets.boundary_count && Owns(sum->space); b++) {
+    const MpmRigidBody *body = &contacts->facets.bodies[b];
     PetscReal           mode[2][3];
 
     if (!body->freedom) continue;
@@ -135,7 +136,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   PetscCall(MpmRigidWorkCreate(contacts, sum, &work));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPatch     *patch = &contacts->patch[k];
-    const MpmRigidBody *body  = MpmContactsBody(contacts, patch->boundary);
+    const MpmRigidBody *body  = MpmFacetsBody(&contacts->facets, patch->boundary);
 
     if (!body || !PatchAt(contacts, patch, sum, u, &q, &work)) continue;
     for (PetscInt f = patch->begin; f < patch->end; f++) {
@@ -150,8 +151,8 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
     }
   }
   PetscCall(MpmRigidWorkDestroy(&work));
-  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
-    const MpmRigidBody *body = MpmContactsBody(contacts, b);
+  for (PetscInt b = 0; b < contacts->facets.boundary_count && Owns(sum->space); b++) {
+    const MpmRigidBody *body = MpmFacetsBody(&contacts->facets, b);
     PetscReal           load[2][3], unused[3][3];
 
     if (!body) continue;
@@ -172,8 +173,8 @@ static PetscErrorCode Work(const void *ctx, const MpmSum *sum, const PetscReal a
 
   PetscFunctionBeginUser;
   (void)at;
-  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
-    const MpmRigidBody *body = MpmContactsBody(contacts, b);
+  for (PetscInt b = 0; b < contacts->facets.boundary_count && Owns(sum->space); b++) {
+    const MpmRigidBody *body = MpmFacetsBody(&contacts->facets, b);
     MpmRigidIncrement   q;
     PetscReal           load[2][3], unused[3][3];
 
@@ -207,7 +208,7 @@ static void OwnBlock(const MpmContacts *contacts, const MpmSum *sum, const MpmRi
 static void Element(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, PetscInt n,
                     MpmRigidWork *work, PetscReal element[])
 {
-  const PetscInt N = n + 2, size = 3 * N, means = contacts->boundaries[patch->boundary].tangential ? 4 : 1;
+  const PetscInt N = n + 2, size = 3 * N, means = contacts->facets.boundaries[patch->boundary].tangential ? 4 : 1;
 
   MpmRigidMean(contacts, patch, q, n, work);
   for (PetscInt k = 0; k < size * size; k++) element[k] = 0.;
@@ -269,7 +270,7 @@ static PetscErrorCode ElementsDestroy(Elements *elements)
 static PetscErrorCode PatchElement(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum,
                                    const PetscReal u[], Elements *of)
 {
-  const MpmRigidBody *body = MpmContactsBody(contacts, patch->boundary);
+  const MpmRigidBody *body = MpmFacetsBody(&contacts->facets, patch->boundary);
   const MpmGroup     *box  = &sum->space->groups[patch->box];
   MpmRigidIncrement   q;
 
@@ -297,8 +298,8 @@ static PetscErrorCode OwnTangent(const MpmContacts *contacts, const MpmSum *sum,
   const PetscInt bs = sum->block;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
-    const MpmRigidBody *body = &contacts->bodies[b];
+  for (PetscInt b = 0; b < contacts->facets.boundary_count && Owns(sum->space); b++) {
+    const MpmRigidBody *body = &contacts->facets.bodies[b];
     PetscReal           block[2][3][3], element[MPM_MAX_BLOCK * MPM_MAX_BLOCK] = {0.};
 
     if (!body->freedom) continue;
@@ -349,8 +350,8 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
 
   PetscFunctionBeginUser;
   (void)particles;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    MpmRigidBody     *body = &contacts->bodies[b];
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    MpmRigidBody     *body = &contacts->facets.bodies[b];
     MpmRigidIncrement q;
 
     if (!body->freedom) continue;
@@ -371,8 +372,8 @@ static PetscReal Imbalance(const void *ctx, const MpmSum *sum, const PetscScalar
   const PetscInt     block     = sum->block;
   PetscReal          imbalance = 0.;
 
-  for (PetscInt b = 0; b < contacts->boundary_count && Owns(sum->space); b++) {
-    const MpmRigidBody *body = &contacts->bodies[b];
+  for (PetscInt b = 0; b < contacts->facets.boundary_count && Owns(sum->space); b++) {
+    const MpmRigidBody *body = &contacts->facets.bodies[b];
     PetscReal           load = 0., rest = 0.;
 
     if (!body->freedom) continue;
@@ -388,12 +389,12 @@ static PetscReal Imbalance(const void *ctx, const MpmSum *sum, const PetscScalar
 
 static PetscBool Idle(const void *ctx)
 {
-  return (PetscBool) !((const MpmContacts *)ctx)->bodies;
+  return (PetscBool) !((const MpmContacts *)ctx)->facets.bodies;
 }
 
 static unsigned Traits(const void *ctx)
 {
-  return ((const MpmContacts *)ctx)->bodies ? MPM_TERM_UNKNOWNS : 0;
+  return ((const MpmContacts *)ctx)->facets.bodies ? MPM_TERM_UNKNOWNS : 0;
 }
 
 const MpmTerm MpmTermRigidBodies = {

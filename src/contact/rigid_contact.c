@@ -48,13 +48,13 @@ static PetscErrorCode AddForces(const MpmContacts *contacts, const MpmSum *sum, 
     const MpmPatch *patch = &contacts->patch[k];
     MpmPatchAnswer  answer;
 
-    if (!MpmContactsBody(contacts, patch->boundary)) MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
+    if (!MpmFacetsBody(&contacts->facets, patch->boundary)) MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
     else if (residual) continue;
     else MpmRigidEvaluate(contacts, patch, sum, u, &work, &answer); /* forces as the body sees them */
     for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
       PetscReal force[MPM_MAX_DIM];
 
-      if (contacts->facet[f].point < 0) continue; /* its rank adds it */
+      if (contacts->facets.at[f].point < 0) continue; /* its rank adds it */
       MpmFacetForce(contacts, patch, f, &work, &answer, force);
       if (residual)
         MpmFacetAddForce(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), -1., force, residual);
@@ -95,13 +95,14 @@ static PetscErrorCode Work(const void *ctx, const MpmSum *sum, const PetscReal a
   PetscCall(MpmPatchWorkCreate(contacts, &work));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPatch *patch  = &contacts->patch[k];
-    const MpmPose  *before = &contacts->before[patch->boundary], *after = &contacts->after[patch->boundary];
-    MpmPatchAnswer  answer;
+    const MpmPose  *before = &contacts->facets.before[patch->boundary],
+                  *after   = &contacts->facets.after[patch->boundary];
+    MpmPatchAnswer answer;
 
-    if (MpmContactsBody(contacts, patch->boundary)) continue;
+    if (MpmFacetsBody(&contacts->facets, patch->boundary)) continue;
     MpmPatchEvaluateAt(contacts, patch, sum, at, &work, &answer);
     for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
-      const MpmFacet *facet = &contacts->facet[f];
+      const MpmFacet *facet = &contacts->facets.at[f];
       PetscReal       force[MPM_MAX_DIM], moved[MPM_MAX_DIM], value[MPM_MAX_DIM];
 
       MpmFacetForce(contacts, patch, f, &work, &answer, force);
@@ -128,7 +129,7 @@ static void Change(const MpmContacts *contacts, const MpmPatch *patch, const Mpm
   *gap = 0.;
   for (PetscInt a = 0; a < dim; a++) slip[a] = 0.;
   for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const MpmFacet *facet = &contacts->facet[f];
+    const MpmFacet *facet = &contacts->facets.at[f];
     const PetscReal share = facet->area / patch->area;
     PetscReal       value[MPM_MAX_DIM];
 
@@ -155,7 +156,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
     PetscReal       gap, slip[MPM_MAX_DIM], traction[MPM_MAX_DIM] = {0., 0., 0.};
     MpmPatchAnswer  answer;
 
-    if (MpmContactsBody(contacts, patch->boundary)) continue;
+    if (MpmFacetsBody(&contacts->facets, patch->boundary)) continue;
     MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
     if (!answer.any) continue;
     Change(contacts, patch, sum, du, &work, &gap, slip);
@@ -169,16 +170,16 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
       const PetscReal   normal = answer.stiffness * answer.gap + patch->stiffness * beyond;
       PetscReal         value[MPM_MAX_DIM], force[MPM_MAX_DIM], along = 0.;
 
-      if (contacts->facet[f].point < 0) continue;
+      if (contacts->facets.at[f].point < 0) continue;
       MpmFacetValue(sum, box, MpmFacetWeights(contacts, f), du, value);
       for (PetscInt a = 0; a < dim; a++) along += surface->normal[a] * value[a];
       for (PetscInt a = 0; a < dim; a++) force[a] = traction[a];
-      MpmContactAcross(dim, contacts->facet[f].normal, force);
+      MpmContactAcross(dim, contacts->facets.at[f].normal, force);
       for (PetscInt a = 0; a < dim; a++) {
         force[a] += (answer.stiffness * gap + own * along) * surface->normal[a];
         for (PetscInt c = 0; c < dim; c++) force[a] += normal * surface->second[a][c] * value[c];
       }
-      MpmFacetAddForce(sum, box, MpmFacetWeights(contacts, f), contacts->facet[f].area, force, y);
+      MpmFacetAddForce(sum, box, MpmFacetWeights(contacts, f), contacts->facets.at[f].area, force, y);
     }
   }
   PetscCall(MpmPatchWorkDestroy(&work));
@@ -190,12 +191,12 @@ static void Derivatives(const MpmContacts *contacts, const MpmPatch *patch, cons
                         PetscBool own, PetscReal gap[], PetscReal slip[])
 {
   const PetscInt  dim = sum->space->dim, n = sum->space->groups[patch->box].node_count;
-  const PetscBool tangential = contacts->boundaries[patch->boundary].tangential;
+  const PetscBool tangential = contacts->facets.boundaries[patch->boundary].tangential;
 
   for (PetscInt i = 0; i < n * dim; i++) gap[i] = 0.;
   for (PetscInt i = 0; i < n * dim * dim; i++) slip[i] = 0.;
   for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const MpmFacet  *facet  = &contacts->facet[f];
+    const MpmFacet  *facet  = &contacts->facets.at[f];
     const PetscReal *weight = MpmFacetWeights(contacts, f), *normal = work->surface[f - patch->begin].normal;
 
     if (own && facet->point < 0) continue;
@@ -253,7 +254,7 @@ static void Element(const MpmContacts *contacts, const MpmPatch *patch, const Mp
                     const MpmPatchAnswer *answer, const Factors *factors, PetscReal element[])
 {
   const PetscInt dim = sum->space->dim, bs = sum->block, n = sum->space->groups[patch->box].node_count;
-  const PetscInt terms = contacts->boundaries[patch->boundary].tangential ? dim + 1 : 1;
+  const PetscInt terms = contacts->facets.boundaries[patch->boundary].tangential ? dim + 1 : 1;
 
   for (PetscInt k = 0; k < n * n * bs * bs; k++) element[k] = 0.;
   for (PetscInt m = 0; m < terms; m++) {
@@ -267,7 +268,7 @@ static void Element(const MpmContacts *contacts, const MpmPatch *patch, const Mp
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     const PetscReal *weight = MpmFacetWeights(contacts, f);
 
-    if (contacts->facet[f].point < 0) continue;
+    if (contacts->facets.at[f].point < 0) continue;
     for (PetscInt cd = 0; cd < dim * dim; cd++) {
       const PetscReal own = MpmFacetStiffness(contacts, patch, f, work, answer, cd / dim, cd % dim);
 
@@ -297,7 +298,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     const MpmPatch *patch = &contacts->patch[k];
     MpmPatchAnswer  answer;
 
-    if (MpmContactsBody(contacts, patch->boundary)) continue;
+    if (MpmFacetsBody(&contacts->facets, patch->boundary)) continue;
     MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
     if (!answer.any) continue;
     FactorsOf(contacts, patch, sum, &work, &answer, &factors);
@@ -312,79 +313,12 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 
 /* ---- the converged step ---- */
 
-/* A facet's point keeps a number of its patch: where it belongs to several, the mean over them. */
-static void Keep(const MpmFacet *facet, PetscReal value, PetscReal kept[])
-{
-  if (facet->point < 0) return;
-  if (facet->piece || facet->round || facet->single) kept[facet->point] += facet->portion * value;
-  else kept[facet->point] = value;
-}
-
-/* Portions by area of a boundary's round and single facets that touch, among those of the same point. */
-static PetscErrorCode ShareParts(const MpmContacts *contacts, PetscInt b, const MpmSum *sum,
-                                 const MpmPatchAnswer answers[])
-{
-  const PetscBool keeps = (PetscBool)(contacts->boundaries[b].tangential || contacts->boundaries[b].augmented);
-  PetscBool       any   = PETSC_FALSE;
-  PetscReal      *area;
-
-  PetscFunctionBeginUser;
-  for (PetscInt f = 0; keeps && f < contacts->facet_count && !any; f++)
-    any = (PetscBool)(contacts->facet[f].boundary == b && (contacts->facet[f].round || contacts->facet[f].single));
-  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscCalloc1(sum->points->count, &area));
-  for (PetscInt k = 0; k < 2 * contacts->patch_count; k++) {
-    const PetscInt  at    = k % contacts->patch_count;
-    const MpmPatch *patch = &contacts->patch[at];
-
-    for (PetscInt f = patch->begin; patch->boundary == b && answers[at].active && f < patch->end; f++) {
-      MpmFacet *facet = &contacts->facet[f];
-
-      if (!facet->round && !facet->single) continue;
-      if (k < contacts->patch_count) area[facet->point] += facet->area;
-      else facet->portion = facet->area / area[facet->point];
-    }
-  }
-  PetscCall(PetscFree(area));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The points of a patch keep its slip while it touches. */
-static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
-                                MpmParticles *particles)
-{
-  PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    for (PetscInt a = 0; contacts->boundaries[b].tangential && a < sum->space->dim; a++) {
-      PetscReal *slip;
-
-      PetscCall(MpmParticlesGetField(particles, contacts->boundaries[b].slip_field[a], &slip));
-      PetscCall(MpmPointsClear(sum->points->count, slip));
-      for (PetscInt k = 0; k < contacts->patch_count; k++)
-        for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
-          if (answers[k].active)
-            Keep(&contacts->facet[f], answers[k].slip[a] / MpmContactsGiving(contacts, b),
-                 slip); /* a corner may not touch as its faces do */
-      PetscCall(MpmParticlesRestoreField(particles, &slip));
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* True where a patch's depth is corrected: not for a single facet nearly perpendicular to the boundary. */
-static PetscBool IsCorrected(const MpmContacts *contacts, const MpmPatch *patch)
-{
-  const MpmFacet *facet = &contacts->facet[patch->begin];
-
-  return (PetscBool)(contacts->boundaries[patch->boundary].augmented && !(facet->single && facet->askew));
-}
-
 /* Adds a patch of the converged step to its boundary's reaction, moment and depth. */
 static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                         MpmPatchWork *work, MpmPatchAnswer *answer)
 {
   const PetscInt      b = patch->boundary, dim = sum->space->dim;
-  const MpmRigidBody *body  = MpmContactsBody(contacts, b);
+  const MpmRigidBody *body  = MpmFacetsBody(&contacts->facets, b);
   PetscReal          *depth = &contacts->depth[b];
 
   if (body) MpmRigidEvaluate(contacts, patch, sum, u, work, answer);
@@ -393,13 +327,13 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
   for (PetscInt f = patch->begin; f < patch->end; f++) {
     PetscReal force[3] = {0., 0., 0.}, arm[3] = {0., 0., 0.}, about[MPM_MAX_DIM];
 
-    if (contacts->facet[f].point < 0) continue;
+    if (contacts->facets.at[f].point < 0) continue;
     MpmFacetForce(contacts, patch, f, work, answer, force);
     if (body) MpmRigidForce(contacts, patch, f, sum, u, force, arm);
     else {
-      MpmBoundaryReference(&contacts->boundaries[b], &contacts->after[b], about);
+      MpmBoundaryReference(&contacts->facets.boundaries[b], &contacts->facets.after[b], about);
       for (PetscInt a = 0; a < dim; a++)
-        arm[a] = contacts->facet[f].place[a] + work->value[f - patch->begin][a] - about[a];
+        arm[a] = contacts->facets.at[f].place[a] + work->value[f - patch->begin][a] - about[a];
     }
     for (PetscInt a = 0; a < 3; a++) {
       const PetscInt p = (a + 1) % 3, q = (a + 2) % 3;
@@ -410,117 +344,11 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
     if (work->beyond[f - patch->begin] != 0.)
       *depth = PetscMax(*depth, PetscAbsReal(work->beyond[f - patch->begin]) + contacts->tilt);
   }
-  if (IsCorrected(contacts, patch) || !contacts->boundaries[b].augmented)
+  if (MpmPatchIsCorrected(contacts, patch) || !contacts->facets.boundaries[b].augmented)
     *depth = PetscMax(*depth, PetscAbsReal(answer->gap + patch->shift));
   if (contacts->moved) MpmPatchKeepSlip(contacts, patch, sum, contacts->moved, work, answer);
-  MpmPoseTurn(dim, &contacts->before[b], &contacts->after[b], answer->slip, answer->slip);
+  MpmPoseTurn(dim, &contacts->facets.before[b], &contacts->facets.after[b], answer->slip, answer->slip);
   if (body) MpmRigidSlip(body, sum->block, u, answer->slip);
-}
-
-#define SLOW  0.1  /* of the depth that a correction leaves at most, or the penalty is raised */
-#define RAISE 10.  /* by this, and */
-#define MOST  100. /* by no more than this in all: multigrid gives up beyond 1000 */
-
-/* Depths over the accepted ones, the worst of all, and the shifts that would remove them. */
-static PetscErrorCode FindShifts(const MpmContacts *contacts, const MpmSum *sum, const PetscReal u[], PetscReal shift[],
-                                 PetscReal *worst)
-{
-  MpmPatchWork work;
-
-  PetscFunctionBeginUser;
-  *worst = 0.;
-  PetscCall(MpmPatchWorkCreate(contacts, &work));
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    const MpmPatch    *patch    = &contacts->patch[k];
-    const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
-    MpmPatchAnswer     answer;
-
-    shift[k] = 0.;
-    if (!IsCorrected(contacts, patch)) continue;
-    if (MpmContactsBody(contacts, patch->boundary)) MpmRigidEvaluate(contacts, patch, sum, u, &work, &answer);
-    else MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
-    if (!answer.active) continue;
-    shift[k] = -answer.gap;
-    *worst   = PetscMax(*worst, PetscAbsReal(answer.gap + patch->shift) / boundary->penetration);
-  }
-  PetscCall(MpmPatchWorkDestroy(&work));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, worst, 1, MPIU_REAL, MPIU_MAX, sum->grid->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Augment(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool first, PetscReal *worst)
-{
-  MpmContacts *contacts = (MpmContacts *)ctx;
-  PetscReal   *shift;
-  PetscBool    any = PETSC_FALSE, raise;
-
-  PetscFunctionBeginUser;
-  *worst = 0.;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) any = (PetscBool)(any || contacts->boundaries[b].augmented);
-  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(contacts->patch_count, &shift));
-  PetscCall(FindShifts(contacts, sum, u, shift, worst));
-  raise =
-    (PetscBool)(*worst > 1. && !first && *worst >= SLOW * contacts->newton.deepest && contacts->newton.raised < MOST);
-  contacts->newton.deepest = *worst;
-  if (raise) contacts->newton.raised *= RAISE;
-  for (PetscInt k = 0; *worst > 1. && k < contacts->patch_count; k++) {
-    MpmPatch          *patch    = &contacts->patch[k];
-    const MpmBoundary *boundary = &contacts->boundaries[patch->boundary];
-
-    patch->shift = shift[k];
-    if (!raise || !boundary->augmented || boundary->tangential) continue; /* slips are measured by it */
-    patch->stiffness *= RAISE;
-    patch->shift /= RAISE;
-  }
-  PetscCall(PetscFree(shift));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The points of a patch keep its pressure. */
-static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
-                                    MpmParticles *particles)
-{
-  PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    const char *field = contacts->boundaries[b].pressure_field;
-    PetscReal  *pressure;
-
-    if (!contacts->boundaries[b].augmented) continue;
-    PetscCall(MpmParticlesGetField(particles, field, &pressure));
-    PetscCall(MpmPointsClear(sum->points->count, pressure));
-    for (PetscInt k = 0; k < contacts->patch_count; k++) {
-      const MpmPatch *patch = &contacts->patch[k];
-
-      for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
-        Keep(&contacts->facet[f], -patch->stiffness * answers[k].gap, pressure);
-    }
-    PetscCall(MpmParticlesRestoreField(particles, &pressure));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The points of a bilateral patch keep its gap. */
-static PetscErrorCode KeepGaps(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
-                               MpmParticles *particles)
-{
-  PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    const char *field = contacts->boundaries[b].gap_field;
-    PetscReal  *gap;
-
-    if (!contacts->boundaries[b].bilateral) continue;
-    PetscCall(MpmParticlesGetField(particles, field, &gap));
-    PetscCall(MpmPointsClear(sum->points->count, gap));
-    for (PetscInt k = 0; k < contacts->patch_count; k++) {
-      const MpmPatch *patch = &contacts->patch[k];
-
-      for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
-        Keep(&contacts->facet[f], answers[k].gap + patch->shift, gap);
-    }
-    PetscCall(MpmParticlesRestoreField(particles, &gap));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Reactions, moments and depths of the converged step; keeps the slips. */
@@ -528,7 +356,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
 {
   MpmContacts      *contacts = (MpmContacts *)ctx;
   const MPI_Comm    comm     = sum->grid->comm;
-  const PetscMPIInt count    = (PetscMPIInt)contacts->boundary_count;
+  const PetscMPIInt count    = (PetscMPIInt)contacts->facets.boundary_count;
   MpmPatchAnswer   *answers;
   MpmPatchWork      work;
 
@@ -541,13 +369,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   PetscCall(PetscArrayzero(contacts->moment, count));
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     AddReaction(contacts, &contacts->patch[k], sum, u, &work, &answers[k]);
-  for (PetscInt b = 0; b < count; b++) PetscCall(ShareParts(contacts, b, sum, answers));
-  if (contacts->newton.near || !contacts->newton.bare) {
-    PetscCall(KeepSlips(contacts, sum, answers, particles));
-    PetscCall(KeepPressures(contacts, sum, answers, particles));
-    PetscCall(KeepGaps(contacts, sum, answers, particles));
-    PetscCall(MpmContactsBreak(contacts, answers, particles));
-  }
+  PetscCall(MpmContactsKeep(contacts, sum, answers, particles));
   contacts->newton.bare = (PetscBool)!contacts->newton.near;
   PetscCall(PetscFree(answers));
   PetscCall(MpmPatchWorkDestroy(&work));
@@ -567,10 +389,10 @@ static PetscBool Idle(const void *ctx)
 static unsigned Traits(const void *ctx)
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
-  unsigned           traits   = contacts->boundary_count ? MPM_TERM_CONTACT : 0;
+  unsigned           traits   = contacts->facets.boundary_count ? MPM_TERM_CONTACT : 0;
 
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    const MpmBoundary *boundary = &contacts->boundaries[b];
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    const MpmBoundary *boundary = &contacts->facets.boundaries[b];
 
     if (boundary->bilateral) traits |= MPM_TERM_BILATERAL;
     if (!boundary->bilateral || !boundary->tangential) traits |= MPM_TERM_RELEASES;
@@ -597,9 +419,16 @@ static PetscReal Firmness(const void *ctx)
   const MpmContacts *contacts = (const MpmContacts *)ctx;
   PetscReal          penalty  = 0.;
 
-  for (PetscInt k = 0; contacts->newton.near && k < contacts->boundary_count; k++)
-    penalty = PetscMax(penalty, contacts->newton.raised * contacts->boundaries[k].penalty);
+  for (PetscInt k = 0; contacts->newton.near && k < contacts->facets.boundary_count; k++)
+    penalty = PetscMax(penalty, contacts->newton.raised * contacts->facets.boundaries[k].penalty);
   return penalty;
+}
+
+static PetscErrorCode Turn(void *ctx, const MpmSum *sum, const PetscReal v[], PetscReal part)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmFacetsTurn(&((MpmContacts *)ctx)->facets, sum, v, part));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static void Arrive(void *ctx, const PetscReal u[])
@@ -625,5 +454,5 @@ const MpmTerm MpmTermContact = {.name     = "rigid contact",
                                              .soften   = MpmContactsGive,
                                              .firmness = Firmness,
                                              .squares  = AddSquares,
-                                             .augment  = Augment},
-                                .motion   = {.turn = MpmContactsTurn, .limit = MpmContactsLimit, .arrive = Arrive}};
+                                             .augment  = MpmContactsAugment},
+                                .motion   = {.turn = Turn, .limit = MpmContactsLimit, .arrive = Arrive}};

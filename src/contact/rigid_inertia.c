@@ -10,8 +10,8 @@ void MpmRigidLend(const void *ctx, PetscReal mass[], PetscReal velocity[], Petsc
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
 
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
-    const MpmRigidBody *body = &contacts->bodies[b];
+  for (PetscInt b = 0; contacts->facets.bodies && b < contacts->facets.boundary_count; b++) {
+    const MpmRigidBody *body = &contacts->facets.bodies[b];
     const PetscInt      dim  = body->dim;
 
     if (!body->freedom || !(body->freedom->mass > 0.)) continue;
@@ -38,8 +38,8 @@ void MpmRigidTake(void *ctx, const PetscReal velocity[], const PetscReal acceler
 {
   MpmContacts *contacts = (MpmContacts *)ctx;
 
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
-    const MpmRigidBody *body = &contacts->bodies[b];
+  for (PetscInt b = 0; contacts->facets.bodies && b < contacts->facets.boundary_count; b++) {
+    const MpmRigidBody *body = &contacts->facets.bodies[b];
 
     if (!body->freedom || !(body->freedom->mass > 0.)) continue;
     if (velocity) FromNodes(body, velocity, body->placement->velocity);
@@ -51,8 +51,8 @@ void MpmRigidRest(void *ctx)
 {
   MpmContacts *contacts = (MpmContacts *)ctx;
 
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
-    MpmPlacement *placement = contacts->bodies[b].placement;
+  for (PetscInt b = 0; contacts->facets.bodies && b < contacts->facets.boundary_count; b++) {
+    MpmPlacement *placement = contacts->facets.bodies[b].placement;
 
     if (!placement) continue;
     for (PetscInt k = 0; k < 6; k++) placement->velocity[k] = placement->acceleration[k] = 0.;
@@ -64,13 +64,13 @@ PetscReal MpmRigidKinetic(const void *ctx)
   const MpmContacts *contacts = (const MpmContacts *)ctx;
   PetscReal          kinetic  = 0.;
 
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
-    const MpmFreedom *freedom = contacts->bodies[b].freedom;
+  for (PetscInt b = 0; contacts->facets.bodies && b < contacts->facets.boundary_count; b++) {
+    const MpmFreedom *freedom = contacts->facets.bodies[b].freedom;
 
     if (!freedom || !(freedom->mass > 0.)) continue;
     for (PetscInt k = 0; k < 6; k++)
       kinetic += 0.5 * (k < 3 ? freedom->mass : freedom->inertia / PetscSqr(freedom->size)) *
-                 PetscSqr(contacts->bodies[b].placement->velocity[k]);
+                 PetscSqr(contacts->facets.bodies[b].placement->velocity[k]);
   }
   return kinetic;
 }

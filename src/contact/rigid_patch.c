@@ -31,17 +31,17 @@ PetscErrorCode MpmRigidWorkDestroy(MpmRigidWork *work)
 
 void MpmRigidPatch(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, MpmRigidWork *work)
 {
-  const MpmRigidBody *body = &contacts->bodies[patch->boundary];
+  const MpmRigidBody *body = &contacts->facets.bodies[patch->boundary];
 
   for (PetscInt f = patch->begin; f < patch->end; f++)
-    MpmRigidSee(body, &contacts->facet[f], q, work->u[f - patch->begin], work->law.value[f - patch->begin]);
+    MpmRigidSee(body, &contacts->facets.at[f], q, work->u[f - patch->begin], work->law.value[f - patch->begin]);
   MpmPatchEvaluate(contacts, patch, &work->law, &work->answer);
 }
 
 void MpmRigidFacet(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmRigidIncrement *q,
                    const MpmRigidWork *work, PetscBool derivative, MpmRigidAnswer *coupled)
 {
-  const MpmRigidBody *body = &contacts->bodies[patch->boundary];
+  const MpmRigidBody *body = &contacts->facets.bodies[patch->boundary];
   MpmFacetLaw         law  = {.force = {0.}};
 
   MpmFacetForce(contacts, patch, f, &work->law, &work->answer, law.force);
@@ -49,7 +49,7 @@ void MpmRigidFacet(const MpmContacts *contacts, const MpmPatch *patch, PetscInt 
     for (PetscInt d = 0; d < body->dim; d++)
       law.stiffness[c][d] = MpmFacetStiffness(contacts, patch, f, &work->law, &work->answer, c, d);
   MpmRigidTurn(body, q, &law);
-  MpmRigidCouple(body, &contacts->facet[f], q, work->u[f - patch->begin], &law, derivative, coupled);
+  MpmRigidCouple(body, &contacts->facets.at[f], q, work->u[f - patch->begin], &law, derivative, coupled);
 }
 
 /* A body at an increment, and its axes. */
@@ -79,11 +79,11 @@ static void FillCovectors(const MpmContacts *contacts, const MpmPatch *patch, co
                           const MpmRigidWork *work, PetscReal vector[])
 {
   const PetscInt dim = frame->body->dim, size = 3 * (n + 2);
-  const PetscInt slips = contacts->boundaries[patch->boundary].tangential ? dim : 0;
+  const PetscInt slips = contacts->facets.boundaries[patch->boundary].tangential ? dim : 0;
 
   for (PetscInt k = 0; k < 4 * size; k++) vector[k] = 0.;
   for (PetscInt f = patch->begin; f < patch->end; f++) {
-    const MpmFacet  *facet  = &contacts->facet[f];
+    const MpmFacet  *facet  = &contacts->facets.at[f];
     const PetscReal *weight = n ? MpmFacetWeights(contacts, f) : NULL, share = facet->area / patch->area;
     PetscReal        y[3];
 
@@ -101,10 +101,10 @@ static void FillCovectors(const MpmContacts *contacts, const MpmPatch *patch, co
 void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, PetscInt n,
                   MpmRigidWork *work)
 {
-  const MpmRigidBody   *body   = &contacts->bodies[patch->boundary];
+  const MpmRigidBody   *body   = &contacts->facets.bodies[patch->boundary];
   const MpmPatchAnswer *answer = &work->answer;
   const PetscInt        dim = body->dim, size = 3 * (n + 2);
-  const PetscInt        slips = contacts->boundaries[patch->boundary].tangential ? dim : 0;
+  const PetscInt        slips = contacts->facets.boundaries[patch->boundary].tangential ? dim : 0;
   Frame                 frame = {.body = body, .q = q};
 
   MpmRigidAxes(body, q, frame.A);
@@ -127,7 +127,7 @@ void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmR
 void MpmRigidEvaluate(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                       MpmPatchWork *work, MpmPatchAnswer *answer)
 {
-  const MpmRigidBody *body = &contacts->bodies[patch->boundary];
+  const MpmRigidBody *body = &contacts->facets.bodies[patch->boundary];
   MpmRigidIncrement   q;
 
   MpmRigidIncrementAt(body, sum->block, u, &q);
@@ -135,7 +135,7 @@ void MpmRigidEvaluate(const MpmContacts *contacts, const MpmPatch *patch, const 
     PetscReal value[MPM_MAX_DIM];
 
     MpmPatchValue(contacts, sum, patch, f, u, value);
-    MpmRigidSee(body, &contacts->facet[f], &q, value, work->value[f - patch->begin]);
+    MpmRigidSee(body, &contacts->facets.at[f], &q, value, work->value[f - patch->begin]);
   }
   MpmPatchEvaluate(contacts, patch, work, answer);
 }
@@ -153,13 +153,13 @@ static void TurnVector(const MpmRigidBody *body, const MpmRigidIncrement *q, Pet
 void MpmRigidForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmSum *sum,
                    const PetscReal u[], PetscReal force[], PetscReal arm[])
 {
-  const MpmRigidBody *body = &contacts->bodies[patch->boundary];
+  const MpmRigidBody *body = &contacts->facets.bodies[patch->boundary];
   PetscReal           value[MPM_MAX_DIM];
   MpmRigidIncrement   q;
 
   MpmRigidIncrementAt(body, sum->block, u, &q);
   MpmPatchValue(contacts, sum, patch, f, u, value);
-  MpmRigidArmAfter(body, &contacts->facet[f], &q, value, arm);
+  MpmRigidArmAfter(body, &contacts->facets.at[f], &q, value, arm);
   TurnVector(body, &q, force);
 }
 

@@ -21,13 +21,14 @@ PetscErrorCode MpmRigidCreate(MpmContacts *contacts, MpmPlacement *placements)
   PetscBool any = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) any = (PetscBool)(any || contacts->boundaries[b].freedom);
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++)
+    any = (PetscBool)(any || contacts->facets.boundaries[b].freedom);
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscCalloc1(contacts->boundary_count, &contacts->bodies));
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    contacts->bodies[b].freedom   = contacts->boundaries[b].freedom;
-    contacts->bodies[b].placement = &placements[b];
-    contacts->bodies[b].dim       = contacts->boundaries[b].dim;
+  PetscCall(PetscCalloc1(contacts->facets.boundary_count, &contacts->facets.bodies));
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    contacts->facets.bodies[b].freedom   = contacts->facets.boundaries[b].freedom;
+    contacts->facets.bodies[b].placement = &placements[b];
+    contacts->facets.bodies[b].dim       = contacts->facets.boundaries[b].dim;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -35,16 +36,16 @@ PetscErrorCode MpmRigidCreate(MpmContacts *contacts, MpmPlacement *placements)
 void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const PetscReal gravity[])
 {
   contacts->adrift = -1;
-  for (PetscInt b = 0; contacts->bodies && b < contacts->boundary_count; b++) {
-    MpmRigidBody      *body     = &contacts->bodies[b];
-    const MpmBoundary *boundary = &contacts->boundaries[b];
+  for (PetscInt b = 0; contacts->facets.bodies && b < contacts->facets.boundary_count; b++) {
+    MpmRigidBody      *body     = &contacts->facets.bodies[b];
+    const MpmBoundary *boundary = &contacts->facets.boundaries[b];
 
     if (!body->freedom) continue;
     const PetscReal factor = MpmRampEvaluate(body->freedom->ramp, time);
 
     MpmRigidRotation(body->placement->turn, body->Q);
-    MpmBoundaryReference(boundary, &contacts->before[b], body->pivot);
-    MpmBoundaryReference(boundary, &contacts->after[b], body->travel);
+    MpmBoundaryReference(boundary, &contacts->facets.before[b], body->pivot);
+    MpmBoundaryReference(boundary, &contacts->facets.after[b], body->travel);
     for (PetscInt a = 0; a < 3; a++) {
       body->travel[a] -= body->pivot[a];
       body->load[a]   = factor * body->freedom->load[a] + body->freedom->mass * gravity[a];
@@ -57,34 +58,29 @@ void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const Pe
   }
 }
 
-const MpmRigidBody *MpmContactsBody(const MpmContacts *contacts, PetscInt b)
-{
-  return contacts->bodies && contacts->bodies[b].freedom ? &contacts->bodies[b] : NULL;
-}
-
 void MpmBoundaryAdvance(const MpmContacts *contacts, PetscInt b, PetscInt block, const PetscReal u[],
                         MpmPlacement *placement)
 {
   MpmRigidIncrement q;
 
-  if (!MpmContactsBody(contacts, b)) return;
-  MpmRigidIncrementAt(&contacts->bodies[b], block, u, &q);
+  if (!MpmFacetsBody(&contacts->facets, b)) return;
+  MpmRigidIncrementAt(&contacts->facets.bodies[b], block, u, &q);
   MpmRigidMove(&q, placement);
 }
 
 PetscInt MpmRigidReport(const MpmContacts *contacts, PetscInt b, PetscReal values[])
 {
-  const MpmBoundary *boundary = &contacts->boundaries[b];
+  const MpmBoundary *boundary = &contacts->facets.boundaries[b];
   PetscInt           count    = 0;
   PetscReal          reference[MPM_MAX_DIM];
 
   if (!boundary->freedom) return 0;
-  const MpmPlacement *placement = contacts->bodies[b].placement;
+  const MpmPlacement *placement = contacts->facets.bodies[b].placement;
   const PetscReal    *turn      = placement->turn;
   const PetscReal     sine      = hypot(hypot(turn[1], turn[2]), turn[3]);
   const PetscReal     angle     = 2. * atan2(sine, turn[0]) * 180. / PETSC_PI;
 
-  MpmBoundaryReference(boundary, &contacts->after[b], reference);
+  MpmBoundaryReference(boundary, &contacts->facets.after[b], reference);
   for (PetscInt a = 0; a < boundary->dim; a++) values[count++] = reference[a] + placement->shift[a];
   for (PetscInt a = boundary->dim == 2 ? 2 : 0; a < 3; a++)
     values[count++] = sine > 0. ? angle * turn[1 + a] / sine : 0.;

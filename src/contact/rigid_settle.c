@@ -99,7 +99,7 @@ static PetscErrorCode SumPatches(const MpmContacts *contacts, PetscInt b, const 
 /* Collective. */
 static PetscErrorCode Evaluate(const MpmContacts *contacts, PetscInt b, const PetscReal values[], Balance *balance)
 {
-  const MpmRigidBody *body = &contacts->bodies[b];
+  const MpmRigidBody *body = &contacts->facets.bodies[b];
   const PetscInt      n = balance->n, *component = balance->component;
   PetscReal           sums[MOST * (MOST + 1)] = {0.}, load[2][3], derivative[3][3];
   MpmRigidIncrement   q;
@@ -229,12 +229,12 @@ static PetscErrorCode Search(const MpmContacts *contacts, PetscInt b, Balance *b
 static PetscErrorCode Rest(const MpmContacts *contacts, PetscInt b, Balance *balance, PetscReal negligible,
                            PetscReal values[], PetscBool *moved)
 {
-  const PetscReal cell    = contacts->cell;
+  const PetscReal cell    = contacts->facets.cell;
   PetscReal       trusted = TRUSTED * cell, from[MOST], gone[MOST], s[MOST], part;
 
   PetscFunctionBeginUser;
   *moved = PETSC_FALSE;
-  ListComponents(&contacts->bodies[b], contacts->bodies[b].spins, balance);
+  ListComponents(&contacts->facets.bodies[b], contacts->facets.bodies[b].spins, balance);
   PetscCall(PetscArraycpy(from, values, MOST));
   PetscCall(Evaluate(contacts, b, values, balance));
   for (PetscInt it = 0; it < ITERATIONS && balance->n && !*moved; it++) { /* n: a hinge that spins has none left */
@@ -268,8 +268,8 @@ static PetscBool Spins(MpmRigidBody *body)
 /* Of a body that is adrift. */
 static PetscErrorCode DescribeDrift(const MpmContacts *contacts, PetscInt b, size_t length, char text[])
 {
-  const MpmRigidBody *body = &contacts->bodies[b];
-  const char         *name = contacts->boundaries[b].name;
+  const MpmRigidBody *body = &contacts->facets.bodies[b];
+  const char         *name = contacts->facets.boundaries[b].name;
   const PetscReal    *way  = body->guess;
   PetscInt            most = 0;
 
@@ -308,8 +308,8 @@ PetscErrorCode MpmRigidSettle(MpmContacts *contacts, const MpmGrid *grid, PetscB
 {
   PetscFunctionBeginUser;
   *moved = PETSC_FALSE;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    MpmRigidBody *body    = &contacts->bodies[b];
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    MpmRigidBody *body    = &contacts->facets.bodies[b];
     Balance       balance = {.grid = grid};
     PetscBool     further = PETSC_FALSE;
 
@@ -345,8 +345,8 @@ PetscErrorCode MpmRigidRelax(const void *ctx, const MpmSum *sum, const PetscReal
   const PetscInt     bs = sum->block, owner = sum->grid->size - 1;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    const MpmRigidBody *body    = &contacts->bodies[b];
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    const MpmRigidBody *body    = &contacts->facets.bodies[b];
     Balance             balance = {.grid = sum->grid, .sum = sum, .u = u};
     PetscReal           values[MOST], step[MOST] = {0.}, far;
     PetscBool           moved = PETSC_FALSE;
@@ -356,7 +356,7 @@ PetscErrorCode MpmRigidRelax(const void *ctx, const MpmSum *sum, const PetscReal
     if (follows && sum->grid->rank == owner) Take(body, bs, last, step);
     for (PetscInt k = 0; follows && k < MOST; k++) step[k] = values[k] - step[k];
     PetscCallMPI(MPI_Bcast(step, MOST, MPIU_REAL, owner, sum->grid->comm));
-    far = Norm(MOST, step) / contacts->cell;
+    far = Norm(MOST, step) / contacts->facets.cell;
     for (PetscInt k = 0; k < MOST && far > TRUSTED; k++) values[k] -= (1. - TRUSTED / far) * step[k];
     ListComponents(body, body->spins, &balance);
     PetscCall(Evaluate(contacts, b, values, &balance));
@@ -376,8 +376,8 @@ PetscErrorCode MpmRigidUnheld(const void *ctx, const MpmSum *sum, const PetscRea
   PetscBool          held = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count && unheld < 0; b++) {
-    const MpmRigidBody *body    = &contacts->bodies[b];
+  for (PetscInt b = 0; b < contacts->facets.boundary_count && unheld < 0; b++) {
+    const MpmRigidBody *body    = &contacts->facets.bodies[b];
     Balance             balance = {.grid = sum->grid, .sum = sum, .u = u};
     PetscReal           values[MOST], stiffest = 0., worst = 0., most = 0.;
 
@@ -405,8 +405,8 @@ PetscErrorCode MpmRigidUnheld(const void *ctx, const MpmSum *sum, const PetscRea
   if (unheld < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOutcomeFail(
     outcome, MPM_OUTCOME_UNCONSTRAINED, "its contacts do not hold boundary %s against %s %c (%s)",
-    contacts->boundaries[unheld].name, component < 3 ? "translation along" : "rotation about",
-    contacts->boundaries[unheld].dim == 2 && component > 2 ? 'z' : "xyz"[component % 3], outcome -> text));
+    contacts->facets.boundaries[unheld].name, component < 3 ? "translation along" : "rotation about",
+    contacts->facets.boundaries[unheld].dim == 2 && component > 2 ? 'z' : "xyz"[component % 3], outcome -> text));
   outcome->retryable = (PetscBool)(outcome->retryable && held);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -415,13 +415,13 @@ PetscBool MpmRigidStray(const void *ctx, const MpmSum *sum, const PetscReal u[])
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
 
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
     PetscReal values[MOST];
 
-    if (!contacts->bodies[b].freedom) continue;
-    Take(&contacts->bodies[b], sum->block, u, values);
-    for (PetscInt k = 0; k < MOST; k++) values[k] -= contacts->bodies[b].guess[k];
-    if (Norm(MOST, values) > STRAY * contacts->cell) return PETSC_TRUE;
+    if (!contacts->facets.bodies[b].freedom) continue;
+    Take(&contacts->facets.bodies[b], sum->block, u, values);
+    for (PetscInt k = 0; k < MOST; k++) values[k] -= contacts->facets.bodies[b].guess[k];
+    if (Norm(MOST, values) > STRAY * contacts->facets.cell) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }

@@ -12,7 +12,7 @@
 #include "particles/points.h"
 #include "space/sum.h"
 #include "rigid/rigid.h"
-#include "contact/body_contact.h"
+#include "pairs/body_contact.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "integrators/dynamics.h"

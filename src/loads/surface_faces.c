@@ -101,13 +101,13 @@ static PetscBool Touches(const MpmSurfaceFaces *faces, PetscInt surface, const M
   MpmSurface     there;
 
   if (b < 0) return PETSC_TRUE;
-  if (!MpmRegionContains(faces->contacts->boundaries[b].region,
-                         &points->origin[p * faces->contacts->boundaries[b].dim]))
+  if (!MpmRegionContains(faces->contacts->facets.boundaries[b].region,
+                         &points->origin[p * faces->contacts->facets.boundaries[b].dim]))
     return PETSC_FALSE;
-  MpmContactsDistance(faces->contacts, b, y, &there);
-  for (PetscInt a = 0; a < faces->contacts->boundaries[b].dim; a++) {
+  MpmFacetsDistance(&faces->contacts->facets, b, y, &there);
+  for (PetscInt a = 0; a < faces->contacts->facets.boundaries[b].dim; a++) {
     along += area[a] * there.normal[a];
-    reach += PetscAbsReal(there.normal[a]) * points->half_length[p * faces->contacts->boundaries[b].dim + a];
+    reach += PetscAbsReal(there.normal[a]) * points->half_length[p * faces->contacts->facets.boundaries[b].dim + a];
   }
   return (PetscBool)(along < 0. && there.distance <= reach);
 }

@@ -5,7 +5,7 @@
 #include "particles/particles.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
-#include "contact/body_contact.h"
+#include "pairs/body_contact.h"
 #include "contact/contact.h"
 #include "loads/load.h"
 #include "query/model.h"

@@ -16,7 +16,7 @@
 #include "bc/body_motion.h"
 #include "rigid/rigid.h"
 #include "rigid/rigid_motion.h"
-#include "contact/body_contact.h"
+#include "pairs/body_contact.h"
 #include "contact/rigid_body.h"
 #include "loads/body_surface.h"
 #include "loads/load.h"

@@ -15,7 +15,7 @@
 #include "bc/body_motion.h"
 #include "volume/inertia.h"
 #include "rigid/rigid.h"
-#include "contact/body_contact.h"
+#include "pairs/body_contact.h"
 #include "contact/contact.h"
 #include "contact/rigid_body.h"
 #include "loads/body_surface.h"

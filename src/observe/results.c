@@ -9,7 +9,7 @@
 #include "particles/particles.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
-#include "contact/body_contact.h"
+#include "pairs/body_contact.h"
 #include "contact/contact.h"
 #include "contact/rigid_body.h"
 #include "loads/body_surface.h"

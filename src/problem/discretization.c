@@ -14,7 +14,7 @@
 #include "volume/damping.h"
 #include "volume/inertia.h"
 #include "volume/volume.h"
-#include "contact/body_contact.h"
+#include "pairs/body_contact.h"
 #include "contact/contact.h"
 #include "contact/rigid_body.h"
 #include "loads/body_surface.h"
@@ -59,7 +59,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   disc->sum->state_size = state_size;
   disc->sum->own_size   = disc->layout->own_size;
   PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, disc->contacts));
-  disc->contacts->shaped = bodies;
+  disc->contacts->facets.shaped = bodies;
   PetscCall(MpmRigidCreate(disc->contacts, placements));
   disc->contacts->material_count = materials->count;
   PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
@@ -69,7 +69,7 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   PetscCall(
     MpmPairContactsCreate(disc->comm, pairs, bodies, state_size, MpmPressureComponent(disc->layout), disc->pairs));
   if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));
-  if (disc->contacts->bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
+  if (disc->contacts->facets.bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
   if (disc->inertia->dynamic || disc->inertia->settles)
     PetscCall(MpmTermsAdd(&disc->terms, &MpmTermInertia, disc->inertia));
   if (disc->inertia->dynamic) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermDamping, disc->damping));

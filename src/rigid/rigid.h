@@ -44,3 +44,5 @@ PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary);
 MpmPose        MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time);
 /* Seen from the place x, the boundary standing there. */
 void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface);
+/* Refuses points of the scene that do not suit a boundary. */
+PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles);

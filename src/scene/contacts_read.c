@@ -5,7 +5,7 @@
 #include "options/options.h"
 #include "point/material.h"
 #include "particles/body.h"
-#include "contact/body_contact.h"
+#include "pairs/body_contact.h"
 #include "query/model.h"
 #include "scene/scene_read.h"
 

@@ -9,7 +9,7 @@
 #include "bc/bc.h"
 #include "volume/inertia.h"
 #include "rigid/rigid.h"
-#include "contact/body_contact.h"
+#include "pairs/body_contact.h"
 #include "problem/potential.h"
 #include "query/model.h"
 #include "query/query.h"

@@ -19,7 +19,7 @@
 #include "bc/bc.h"
 #include "volume/inertia.h"
 #include "assembly/terms.h"
-#include "contact/body_contact.h"
+#include "pairs/body_contact.h"
 #include "contact/contact.h"
 #include "query/model.h"
 #include "step/step.h"
@@ -249,16 +249,16 @@ static void HoldByBoundaries(Pieces *pieces)
   const MpmContacts *contacts = model->disc.contacts;
   const PetscInt     dim      = pieces->dim;
 
-  for (PetscInt k = 0; k < contacts->facet_count; k++) {
-    const MpmFacet    *facet    = &contacts->facet[k];
-    const MpmBoundary *boundary = &contacts->boundaries[facet->boundary];
+  for (PetscInt k = 0; k < contacts->facets.count; k++) {
+    const MpmFacet    *facet    = &contacts->facets.at[k];
+    const MpmBoundary *boundary = &contacts->facets.boundaries[facet->boundary];
     const PetscInt     node     = model->disc.space->group_nodes[model->disc.space->groups[facet->group].node_offset];
     const PetscInt     piece    = pieces->of[node];
     const PetscBool    firm     = (PetscBool)(boundary->bilateral && boundary->stick);
     MpmSurface         before, after;
 
-    MpmBoundaryDistance(boundary, &contacts->before[facet->boundary], facet->place, &before);
-    MpmBoundaryDistance(boundary, &contacts->after[facet->boundary], facet->place, &after);
+    MpmBoundaryDistance(boundary, &contacts->facets.before[facet->boundary], facet->place, &before);
+    MpmBoundaryDistance(boundary, &contacts->facets.after[facet->boundary], facet->place, &after);
     if (!boundary->bilateral &&
         PetscMin(before.distance, after.distance) - facet->touches > MPM_TOLERANCE * model->disc.h[0])
       continue;

@@ -2,7 +2,7 @@
   Boxes around the points of each part, against what is found by looking at every point.
 */
 #include "particles/points.h"
-#include "contact/contact_search.h"
+#include "facets/contact_search.h"
 #include "unit.h"
 
 #define MOST  300

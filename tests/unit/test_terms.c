@@ -8,7 +8,7 @@
 #include "space/unit.h"
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
-#include "contact/body_contact.h"
+#include "pairs/body_contact.h"
 #include "contact/contact.h"
 #include "loads/body_surface.h"
 #include "points/action.h"

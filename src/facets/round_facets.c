@@ -29,19 +29,18 @@
 #include "particles/points.h"
 #include "space/sum.h"
 #include "transfer/motion.h"
-#include "contact/contact.h"
+#include "facets/facets.h"
 
 #define SITES 4    /* places of a face on each axis: a disc rolls on fewer like a polygon; with 8 nothing changes */
 #define SLACK 1.01 /* of the distance between points: domains may have been stretched */
 #define SAME  1e-6 /* of a domain: depths below one surface */
 
 /* The round region whose surface took the next point of the lattice beyond a face, or NULL. */
-static MpmRegion RegionBeyond(const MpmContacts *contacts, const MpmPoints *points, PetscInt dim, PetscInt p,
-                              PetscInt face)
+static MpmRegion RegionBeyond(const MpmFacets *facets, const MpmPoints *points, PetscInt dim, PetscInt p, PetscInt face)
 {
   const PetscReal *half   = &points->half_length[p * dim];
   const PetscReal  size   = half[face / 2];
-  const MpmBody    body   = MpmBodyOfPoint(contacts->shaped, points->id[p]);
+  const MpmBody    body   = MpmBodyOfPoint(facets->shaped, points->id[p]);
   const MpmRegion  region = body ? MpmBodyRound(body) : NULL;
   PetscReal        at[MPM_MAX_DIM], normal[MPM_MAX_DIM], N[MPM_MAX_DIM], depth, along;
 
@@ -53,13 +52,12 @@ static MpmRegion RegionBeyond(const MpmContacts *contacts, const MpmPoints *poin
   return along > 0. && depth < 2. * SLACK * along * size ? region : NULL;
 }
 
-PetscBool MpmContactsSeesRound(const MpmContacts *contacts, const MpmPoints *points, PetscInt b, PetscInt p,
-                               PetscInt face)
+PetscBool MpmFacetsSeeRound(const MpmFacets *facets, const MpmPoints *points, PetscInt b, PetscInt p, PetscInt face)
 {
-  const MpmBoundary *boundary = &contacts->boundaries[b];
+  const MpmBoundary *boundary = &facets->boundaries[b];
 
   return (PetscBool)(!boundary->bilateral && !boundary->augmented &&
-                     RegionBeyond(contacts, points, boundary->dim, p, face));
+                     RegionBeyond(facets, points, boundary->dim, p, face));
 }
 
 /* A place of a face, `of` of them on each axis, put onto the surface; `at` was it at the start. */
@@ -96,27 +94,27 @@ static void PlaceSite(MpmRegion region, const MpmPoints *points, PetscInt dim, P
   for (PetscInt a = 0; a < dim; a++) site->outward[a] *= PetscMax(seen, 0.);
 }
 
-PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, const MpmPoints *points, PetscInt face,
-                                   const MpmFacet *start)
+PetscErrorCode MpmFacetsAddRound(MpmFacets *facets, PetscReal margin, const MpmPoints *points, PetscInt face,
+                                 const MpmFacet *start)
 {
-  const MpmBoundary *boundary = &contacts->boundaries[start->boundary];
+  const MpmBoundary *boundary = &facets->boundaries[start->boundary];
   const MpmPose      still    = {.growth = 0.};
   const PetscInt     dim      = boundary->dim;
-  const MpmRegion    region   = RegionBeyond(contacts, points, dim, start->point, face);
+  const MpmRegion    region   = RegionBeyond(facets, points, dim, start->point, face);
   MpmFacet           facet    = *start;
   Site               site     = {.of = 1};
   MpmSurface         surface;
 
   PetscFunctionBeginUser;
   PlaceSite(region, points, dim, face, &facet, &site);
-  MpmContactsDistance(contacts, facet.boundary, facet.place, &surface);
+  MpmFacetsDistance(facets, facet.boundary, facet.place, &surface);
   if (surface.distance > margin) PetscFunctionReturn(PETSC_SUCCESS);
-  if (surface.distance < contacts->cell) site.of = SITES;
+  if (surface.distance < facets->cell) site.of = SITES;
   for (; site.k < PetscPowInt(site.of, dim - 1); site.k++) {
-    facet       = *start;
-    facet.round = 1;
+    facet           = *start;
+    facet.key.round = 1;
     PlaceSite(region, points, dim, face, &facet, &site);
-    MpmContactsStartDistance(contacts, site.outward, &facet, &surface);
+    MpmFacetStartDistance(facets, site.outward, &facet, &surface);
     for (PetscInt a = 0; a < dim; a++) {
       facet.normal[a] = surface.normal[a];
       facet.area -= site.outward[a] * surface.normal[a];
@@ -124,23 +122,21 @@ PetscErrorCode MpmContactsAddRound(MpmContacts *contacts, PetscReal margin, cons
     if (!(facet.area > 0.)) continue;
     MpmBoundaryDistance(boundary, &still, site.at, &surface);
     facet.touches = PetscMin(surface.distance, 0.);
-    PetscCall(MpmContactsAddFacet(contacts, &facet));
+    PetscCall(MpmFacetsAdd(facets, &facet));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmContactsTurn(void *ctx, const MpmSum *sum, const PetscReal v[], PetscReal part)
+PetscErrorCode MpmFacetsTurn(MpmFacets *facets, const MpmSum *sum, const PetscReal v[], PetscReal part)
 {
-  MpmContacts *contacts = (MpmContacts *)ctx;
-
   PetscFunctionBeginUser;
-  if (!contacts->shaped || part == 1.) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt f = 0; f < contacts->facet_count; f++) {
-    MpmFacet      *facet = &contacts->facet[f];
-    const PetscInt dim   = contacts->boundaries[facet->boundary].dim;
+  if (!facets->shaped || part == 1.) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt f = 0; f < facets->count; f++) {
+    MpmFacet      *facet = &facets->at[f];
+    const PetscInt dim   = facets->boundaries[facet->boundary].dim;
     PetscReal      W[MPM_MAX_DIM * MPM_MAX_DIM], way[MPM_MAX_DIM];
 
-    if (!facet->round || MpmContactsBody(contacts, facet->boundary)) continue;
+    if (!facet->key.round || MpmFacetsBody(facets, facet->boundary)) continue;
     PetscCall(MpmSpinAtPoint(sum, facet->group, facet->point, v, W));
     for (PetscInt a = 0; a < dim; a++) {
       way[a] = 0.;

@@ -25,18 +25,17 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "assembly/terms.h"
-#include "contact/contact.h"
-#include "contact/rigid_body.h"
+#include "facets/facets.h"
 
 #define FINE   0.4 /* of a cell: domains no longer than this leave it to the surface to touch */
 #define AROUND 4   /* cells about a piece's place, in which ranks learn of it */
 #define BACK   2.5 /* of the way back, for a movement of the surface by a cell, */
 #define MOST   0.5 /* and no more in a step */
 
-PetscBool MpmContactsSpreads(const MpmContacts *contacts, PetscInt boundary)
+PetscBool MpmFacetsAreSpread(const MpmFacets *facets, PetscInt boundary)
 {
-  return (PetscBool)(contacts->drawn[boundary] && !contacts->boundaries[boundary].stick &&
-                     !MpmContactsBody(contacts, boundary));
+  return (PetscBool)(facets->drawn[boundary] && !facets->boundaries[boundary].stick &&
+                     !MpmFacetsBody(facets, boundary));
 }
 
 /* ---- pieces ---- */
@@ -55,31 +54,31 @@ static void SurfaceLine(const MpmRules *rules, const MpmFacet *facet, PetscInt a
 }
 
 /* How far a point is from where it should be beside the surface: within its half-length of it, and not behind. */
-static PetscReal Astray(const MpmContacts *contacts, const MpmPoints *points, const MpmFacet *facet)
+static PetscReal Astray(const MpmFacets *facets, const MpmPoints *points, const MpmFacet *facet)
 {
-  const PetscInt dim = contacts->boundaries[facet->boundary].dim, p = facet->point;
+  const PetscInt dim = facets->boundaries[facet->boundary].dim, p = facet->point;
   PetscReal      half = 0.;
   MpmSurface     surface;
 
-  MpmContactsDistance(contacts, facet->boundary, &points->x[p * dim], &surface);
+  MpmFacetsDistance(facets, facet->boundary, &points->x[p * dim], &surface);
   for (PetscInt a = 0; a < dim; a++) half += PetscAbsReal(surface.normal[a]) * MpmPointHalfWhole(points, dim, p, a);
   return surface.distance > half ? surface.distance - half : PetscMin(surface.distance, 0.);
 }
 
 /* The part of it that comes back in this step. */
-static PetscReal Back(const MpmContacts *contacts, const MpmFacet *facet)
+static PetscReal Back(const MpmFacets *facets, const MpmFacet *facet)
 {
-  const MpmPose *before = &contacts->before[facet->boundary], *after = &contacts->after[facet->boundary];
-  const PetscInt dim = contacts->boundaries[facet->boundary].dim;
+  const MpmPose *before = &facets->before[facet->boundary], *after = &facets->after[facet->boundary];
+  const PetscInt dim = facets->boundaries[facet->boundary].dim;
   PetscReal      y[MPM_MAX_DIM], way = 0.;
 
   MpmPoseCarry(dim, before, after, facet->place, y);
   for (PetscInt a = 0; a < dim; a++) way += PetscSqr(y[a] - facet->place[a]);
   way = PetscSqrtReal(way) + PetscAbsReal(after->growth - before->growth);
-  return PetscMin(MOST, BACK * way / contacts->cell);
+  return PetscMin(MOST, BACK * way / facets->cell);
 }
 
-static PetscErrorCode MakePiece(const MpmContacts *contacts, const MpmRules *rules, const MpmSpace *space,
+static PetscErrorCode MakePiece(const MpmFacets *facets, const MpmRules *rules, const MpmSpace *space,
                                 const MpmPoints *points, const MpmFacet *facet, MpmPiece *piece)
 {
   const MpmGroup *group = &space->groups[facet->group];
@@ -112,49 +111,49 @@ static PetscErrorCode MakePiece(const MpmContacts *contacts, const MpmRules *rul
   if (!fine) MpmFacetLines(rules, space, points, facet, piece->line);
   for (PetscInt a = 0; fine && a < dim; a++)
     SurfaceLine(rules, facet, a, a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0, piece);
-  piece->astray = Astray(contacts, points, facet);
+  piece->astray = Astray(facets, points, facet);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The facets that are to be spread become this rank's pieces; others stay. */
-static PetscErrorCode TakeFacets(MpmContacts *contacts, const MpmRules *rules, const MpmSpace *space,
+static PetscErrorCode TakeFacets(MpmFacets *facets, const MpmRules *rules, const MpmSpace *space,
                                  const MpmPoints *points)
 {
   PetscInt kept = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscRealloc((size_t)(contacts->facet_count + 1) * sizeof(MpmPiece), &contacts->piece));
-  for (PetscInt f = 0; f < contacts->facet_count; f++) {
-    const MpmFacet facet = contacts->facet[f];
+  PetscCall(PetscRealloc((size_t)(facets->count + 1) * sizeof(MpmPiece), &facets->pieces.at));
+  for (PetscInt f = 0; f < facets->count; f++) {
+    const MpmFacet facet = facets->at[f];
 
-    if (MpmContactsSpreads(contacts, facet.boundary))
-      PetscCall(MakePiece(contacts, rules, space, points, &facet, &contacts->piece[contacts->piece_count++]));
-    else contacts->facet[kept++] = facet;
+    if (MpmFacetsAreSpread(facets, facet.boundary))
+      PetscCall(MakePiece(facets, rules, space, points, &facet, &facets->pieces.at[facets->pieces.count++]));
+    else facets->at[kept++] = facet;
   }
-  contacts->facet_count = kept;
-  contacts->piece_own   = contacts->piece_count;
+  facets->count      = kept;
+  facets->pieces.own = facets->pieces.count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The neighbours' pieces behind the own ones, as they are there now. Collective. */
-static PetscErrorCode ShareWithNeighbours(MpmContacts *contacts, const MpmGrid *grid)
+static PetscErrorCode ShareWithNeighbours(MpmFacets *facets, const MpmGrid *grid)
 {
   PetscInt *boxes, cell[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
-  contacts->piece_count = contacts->piece_own;
-  PetscCall(PetscCalloc1((2 * MPM_MAX_DIM * contacts->piece_own), &boxes));
-  for (PetscInt k = 0; k < contacts->piece_own; k++) {
+  facets->pieces.count = facets->pieces.own;
+  PetscCall(PetscCalloc1((2 * MPM_MAX_DIM * facets->pieces.own), &boxes));
+  for (PetscInt k = 0; k < facets->pieces.own; k++) {
     PetscInt *box = &boxes[2 * MPM_MAX_DIM * k];
 
-    MpmGridFindCell(grid, contacts->piece[k].place, cell);
+    MpmGridFindCell(grid, facets->pieces.at[k].place, cell);
     for (PetscInt a = 0; a < grid->dim; a++) {
       box[a]               = PetscMax(cell[a] - AROUND, 0);
       box[MPM_MAX_DIM + a] = PetscMin(cell[a] + 1 + AROUND, grid->nodes[a] - 1);
     }
   }
-  PetscCall(MpmGridShare(grid, sizeof(MpmPiece), boxes, &contacts->piece_count, (void **)&contacts->piece));
-  for (PetscInt k = contacts->piece_own; k < contacts->piece_count; k++) contacts->piece[k].point = -1;
+  PetscCall(MpmGridShare(grid, sizeof(MpmPiece), boxes, &facets->pieces.count, (void **)&facets->pieces.at));
+  for (PetscInt k = facets->pieces.own; k < facets->pieces.count; k++) facets->pieces.at[k].point = -1;
   PetscCall(PetscFree(boxes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -193,48 +192,47 @@ static PetscReal Corner(const MpmGrid *grid, const MpmPiece *piece, PetscInt k, 
 }
 
 /* Facets of a piece, one a node, with its portion of the area. Neighbours' pieces only at nodes of own ones. */
-static PetscErrorCode SpreadPiece(MpmContacts *contacts, const MpmGrid *grid, PetscInt k, PetscInt count, Place own[])
+static PetscErrorCode SpreadPiece(MpmFacets *facets, const MpmGrid *grid, PetscInt k, PetscInt count, Place own[])
 {
-  const MpmPiece *piece = &contacts->piece[k];
+  const MpmPiece *piece = &facets->pieces.at[k];
 
   PetscFunctionBeginUser;
   for (PetscInt c = 0; c < PetscPowInt(2, grid->dim); c++) {
     MpmFacet facet = {.boundary = piece->boundary, .point = piece->point, .piece = k + 1};
     Place    node;
 
-    facet.portion = Corner(grid, piece, c, &node);
-    facet.cell    = node.number;
-    facet.area    = facet.portion * piece->area;
+    facet.portion  = Corner(grid, piece, c, &node);
+    facet.key.cell = node.number;
+    facet.area     = facet.portion * piece->area;
     if (!(facet.area > 0.)) continue;
     if (piece->point < 0 && !bsearch(&node, own, (size_t)count, sizeof(node), ComparePlaces)) continue;
     for (PetscInt a = 0; a < grid->dim; a++) {
       facet.place[a]  = piece->place[a];
       facet.normal[a] = piece->normal[a];
     }
-    PetscCall(MpmContactsAddFacet(contacts, &facet));
+    PetscCall(MpmFacetsAdd(facets, &facet));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPiecesSpread(MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
-                               const MpmSpace *space)
+PetscErrorCode MpmPiecesSpread(MpmFacets *facets, const MpmRules *rules, const MpmPoints *points, const MpmSpace *space)
 {
   const PetscInt corners = PetscPowInt(2, space->dim);
   PetscBool      any     = PETSC_FALSE;
   Place         *own;
 
   PetscFunctionBeginUser;
-  contacts->piece_count = contacts->piece_own = 0;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) any = (PetscBool)(any || MpmContactsSpreads(contacts, b));
+  facets->pieces.count = facets->pieces.own = 0;
+  for (PetscInt b = 0; b < facets->boundary_count; b++) any = (PetscBool)(any || MpmFacetsAreSpread(facets, b));
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(TakeFacets(contacts, rules, space, points));
-  PetscCall(ShareWithNeighbours(contacts, rules->grid));
-  PetscCall(PetscMalloc1((contacts->piece_own * corners), &own));
-  for (PetscInt k = 0; k < contacts->piece_own * corners; k++)
-    (void)Corner(rules->grid, &contacts->piece[k / corners], k % corners, &own[k]);
-  qsort(own, (size_t)(contacts->piece_own * corners), sizeof(Place), ComparePlaces);
-  for (PetscInt k = 0; k < contacts->piece_count; k++)
-    PetscCall(SpreadPiece(contacts, rules->grid, k, contacts->piece_own * corners, own));
+  PetscCall(TakeFacets(facets, rules, space, points));
+  PetscCall(ShareWithNeighbours(facets, rules->grid));
+  PetscCall(PetscMalloc1((facets->pieces.own * corners), &own));
+  for (PetscInt k = 0; k < facets->pieces.own * corners; k++)
+    (void)Corner(rules->grid, &facets->pieces.at[k / corners], k % corners, &own[k]);
+  qsort(own, (size_t)(facets->pieces.own * corners), sizeof(Place), ComparePlaces);
+  for (PetscInt k = 0; k < facets->pieces.count; k++)
+    PetscCall(SpreadPiece(facets, rules->grid, k, facets->pieces.own * corners, own));
   PetscCall(PetscFree(own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -251,70 +249,70 @@ static MpmGroup BoxOf(const MpmPiece *piece)
   return box;
 }
 
-MpmGroup MpmFacetBox(const MpmContacts *contacts, const MpmSpace *space, const MpmFacet *facet)
+MpmGroup MpmFacetBox(const MpmFacets *facets, const MpmSpace *space, const MpmFacet *facet)
 {
-  return facet->piece ? BoxOf(&contacts->piece[facet->piece - 1]) : space->groups[facet->group];
+  return facet->piece ? BoxOf(&facets->pieces.at[facet->piece - 1]) : space->groups[facet->group];
 }
 
-PetscErrorCode MpmPiecesAppendBoxes(const MpmContacts *contacts, MpmSpace *space)
+PetscErrorCode MpmPiecesAppendBoxes(const MpmFacets *facets, MpmSpace *space)
 {
   MpmGroup *boxes;
 
   PetscFunctionBeginUser;
-  if (contacts->piece_count == contacts->piece_own) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSpaceAppendBoxes(space, contacts->piece_count - contacts->piece_own, &boxes));
-  for (PetscInt k = contacts->piece_own; k < contacts->piece_count; k++)
-    boxes[k - contacts->piece_own] = BoxOf(&contacts->piece[k]);
+  if (facets->pieces.count == facets->pieces.own) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSpaceAppendBoxes(space, facets->pieces.count - facets->pieces.own, &boxes));
+  for (PetscInt k = facets->pieces.own; k < facets->pieces.count; k++)
+    boxes[k - facets->pieces.own] = BoxOf(&facets->pieces.at[k]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- kept values of the points ---- */
 
 /* Of the own pieces, component `slot` of the kept values. */
-static PetscErrorCode LoadField(MpmContacts *contacts, PetscInt b, const char *field, MpmPieceSlot slot,
+static PetscErrorCode LoadField(MpmFacets *facets, PetscInt b, const char *field, MpmPieceSlot slot,
                                 MpmParticles *particles)
 {
   PetscReal *kept;
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetField(particles, field, &kept));
-  for (PetscInt k = 0; k < contacts->piece_own; k++)
-    if (contacts->piece[k].boundary == b) contacts->piece[k].kept[slot] = kept[contacts->piece[k].point];
+  for (PetscInt k = 0; k < facets->pieces.own; k++)
+    if (facets->pieces.at[k].boundary == b) facets->pieces.at[k].kept[slot] = kept[facets->pieces.at[k].point];
   PetscCall(MpmParticlesRestoreField(particles, &kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPiecesLoad(MpmContacts *contacts, const MpmTermStep *step)
+PetscErrorCode MpmPiecesLoad(MpmFacets *facets, const MpmTermStep *step)
 {
   const MpmSum *sum = step->sum;
   PetscBool     any = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) {
-    const MpmBoundary *boundary = &contacts->boundaries[b];
+  for (PetscInt b = 0; b < facets->boundary_count; b++) {
+    const MpmBoundary *boundary = &facets->boundaries[b];
 
-    if (!MpmContactsSpreads(contacts, b)) continue;
+    if (!MpmFacetsAreSpread(facets, b)) continue;
     any = PETSC_TRUE;
-    PetscCall(LoadField(contacts, b, boundary->gap_field, MPM_PIECE_GAP, step->particles));
+    PetscCall(LoadField(facets, b, boundary->gap_field, MPM_PIECE_GAP, step->particles));
     for (PetscInt a = 0; boundary->tangential && a < sum->space->dim; a++)
-      PetscCall(LoadField(contacts, b, boundary->slip_field[a], (MpmPieceSlot)(MPM_PIECE_SLIP + a), step->particles));
+      PetscCall(LoadField(facets, b, boundary->slip_field[a], (MpmPieceSlot)(MPM_PIECE_SLIP + a), step->particles));
     if (boundary->augmented)
-      PetscCall(LoadField(contacts, b, boundary->pressure_field, MPM_PIECE_PRESSURE, step->particles));
+      PetscCall(LoadField(facets, b, boundary->pressure_field, MPM_PIECE_PRESSURE, step->particles));
   }
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < contacts->piece_own; k++) {
-    const PetscInt     p        = contacts->piece[k].point;
+  for (PetscInt k = 0; k < facets->pieces.own; k++) {
+    const PetscInt     p        = facets->pieces.at[k].point;
     const MpmMaterial *material = &sum->materials[sum->points->material[p]];
 
-    contacts->piece[k].kept[MPM_PIECE_STRENGTH] = MpmMaterialShearStrength(
+    facets->pieces.at[k].kept[MPM_PIECE_STRENGTH] = MpmMaterialShearStrength(
       material, MpmPointOwn(sum->points, material, p), sum->points->state + p * sum->state_size);
   }
-  PetscCall(ShareWithNeighbours(contacts, sum->grid));
+  PetscCall(ShareWithNeighbours(facets, sum->grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal MpmPieceWayBack(const MpmContacts *contacts, const MpmFacet *facet)
+PetscReal MpmPieceWayBack(const MpmFacets *facets, const MpmFacet *facet)
 {
   if (!facet->piece) return 0.;
-  return Back(contacts, facet) * contacts->piece[facet->piece - 1].astray;
+  return Back(facets, facet) * facets->pieces.at[facet->piece - 1].astray;
 }

@@ -2,7 +2,7 @@
 /*
   The force of one patch between two bodies (body_patch.c).
 */
-#include "contact/body_contact.h"
+#include "pairs/body_contact.h"
 #include "space/sum.h"
 
 #define MPM_PAIR_WATER MPM_MAX_DIM /* place of the water beside the axes: difference of pressures, flow */

@@ -11,112 +11,18 @@
   normals, and A_i the areas along them (body_facets.c). Bodies that overlap when the run starts touch from there on, as
   at rigid surfaces. Small gaps touch, too, where an unknown surface cut a lattice at an angle: of points from a file.
 */
-#include "options/options.h"
 #include "geometry/geometry.h"
-#include "point/layout.h"
-#include "point/material.h"
 #include "grid/grid.h"
-#include "particles/particles.h"
 #include "space/rules.h"
 #include "space/space.h"
 #include "space/sum.h"
-#include "assembly/terms.h"
-#include "contact/body_facets.h"
-#include "contact/contact.h"
-#include "contact/contact_search.h"
+#include "pairs/body_facets.h"
 
-#define TOUCH   1e-12 /* of a cell: rounding */
-#define ALIGNED 1e-6  /* off an axis: the surface is no cut through a lattice */
-#define SMOOTH  2.5   /* cells: facets so near make the normal of a patch */
-#define LOOKS   0.2   /* cosine: facets of the first body that look farther away are not part of a patch */
-#define UNKNOWN 1e30  /* m: a gap; so large that means with others are so, too */
-#define FACING  0.5   /* cosine: facets that look at one another less do not lie across */
-#define FIRM    500.  /* penalties, unless one is given: as at rigid surfaces on materials that do not flow, */
-#define RUBS    100.  /* on these with Coulomb's friction, */
-#define SOFT    10.   /* and on those that flow */
-#define PASSES  100.  /* where water passes: conductance over that of a cell, by the less permeable body */
-#define CLOSED  1e-3  /* of a cell: bodies that are no farther apart touch, for water */
-
-/* ---- reading ---- */
-
-PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, PetscBool water, MpmPair *pair)
-{
-  static const char *const methods[] = {"penalty", "barrier", "augmented", NULL}, *const waters[] = {"sealed", "open",
-                                                                                                     NULL};
-  char     field[256];
-  PetscInt method = 0, open = 0;
-
-  PetscFunctionBeginUser;
-  pair->penalty = FIRM;
-  PetscCall(MpmFrictionRead(block, &pair->friction, &pair->adhesion, &pair->stick));
-  pair->tangential = (PetscBool)(pair->stick || pair->friction > 0. || pair->adhesion > 0.);
-  PetscCall(MpmOptionsWord(
-    block, "method", "penalty: bodies push where they overlap; barrier: before they meet; augmented: without overlap",
-    methods, MPM_OPTIONAL, &method, NULL));
-  pair->barrier     = (PetscBool)(method == 1);
-  pair->augmented   = (PetscBool)(method == 2);
-  pair->penetration = 1e-8;
-  PetscCall(MpmOptionsReal(block, "penetration", "h", "augmented: mean depth in a cell that may remain, by its size",
-                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penetration, NULL));
-  PetscCall(
-    MpmOptionsReal(block, "penalty", "E/h",
-                   "pressure by depth, times the softer body's Young's modulus over the cell size; unless given, "
-                   "10 where one of them flows, 100 with a coefficient of friction",
-                   MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penalty, &pair->firm));
-  if (!pair->firm && pair->friction > 0.) pair->penalty = RUBS;
-  if (water)
-    PetscCall(MpmOptionsWord(block, "water", "physics with water: none passes, or all does where the bodies touch",
-                             waters, MPM_OPTIONAL, &open, NULL));
-  pair->open = (PetscBool)(open == 1);
-  PetscCall(PetscSNPrintf(field, sizeof(field), "gap_%s", pair->name));
-  PetscCall(PetscStrallocpy(field, &pair->gap_field));
-  PetscCall(PetscSNPrintf(field, sizeof(field), "pressure_%s", pair->name));
-  if (pair->augmented) PetscCall(PetscStrallocpy(field, &pair->pressure_field));
-  for (PetscInt a = 0; pair->tangential && a < dim; a++) {
-    PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", pair->name, "xyz"[a]));
-    PetscCall(PetscStrallocpy(field, &pair->slip_field[a]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmPairsDestroy(MpmPairs *pairs)
-{
-  PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < pairs->count; k++) {
-    PetscCall(PetscFree(pairs->at[k].name));
-    PetscCall(PetscFree(pairs->at[k].gap_field));
-    PetscCall(PetscFree(pairs->at[k].pressure_field));
-    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(pairs->at[k].slip_field[a]));
-  }
-  PetscCall(MpmNamesDestroy(pairs->count, &pairs->names));
-  PetscCall(PetscFree(pairs->at));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, const MpmBodies *bodies, PetscInt state_size,
-                                     PetscInt water, MpmPairContacts *contacts)
-{
-  PetscFunctionBeginUser;
-  contacts->bodies     = bodies;
-  contacts->pairs      = pairs;
-  contacts->comm       = comm;
-  contacts->state_size = state_size;
-  contacts->water      = water;
-  PetscCall(PetscCalloc1(pairs->count, &contacts->force));
-  if (pairs->count) PetscCall(MpmContactSearchRegister(&contacts->search));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscFree(contacts->force));
-  PetscCall(PetscFree(contacts->facet));
-  PetscCall(PetscFree(contacts->list));
-  PetscCall(PetscFree(contacts->patch));
-  PetscCall(PetscFree(contacts->weight));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+#define TOUCH  1e-12 /* of a cell: rounding */
+#define SMOOTH 2.5   /* cells: facets so near make the normal of a patch */
+#define LOOKS  0.2   /* cosine: facets of the first body that look farther away are not part of a patch */
+#define FACING 0.5   /* cosine: facets that look at one another less do not lie across */
+#define SOFT   10.   /* penalty on bodies that flow, unless one is given */
 
 /* ---- who lies across from whom ---- */
 
@@ -171,11 +77,6 @@ static PetscInt Opposite(const MpmPairContacts *contacts, const MpmGrid *grid, c
 }
 
 /* ---- patches ---- */
-
-/* Each facet of either side with its side's number. */
-#define FOR_SIDES(patch, f, s) \
-  for (PetscInt s = 0; s < 2; s++) \
-    for (PetscInt f = (patch)->side[s].begin; f < (patch)->side[s].end; f++)
 
 /* True where the facet's normal is along the direction, of length 1, rather than across it. */
 static PetscBool Looks(PetscInt dim, const MpmPairFacet *facet, const PetscReal direction[])
@@ -233,7 +134,7 @@ static void Describe(const MpmPairContacts *contacts, PetscInt dim, MpmPairPatch
   PetscReal      modulus = PETSC_INFINITY, flows = 0.;
 
   patch->strength = PETSC_INFINITY;
-  FOR_SIDES(patch, f, s)
+  MPM_PAIR_SIDES(patch, f, s)
   {
     const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
     PetscReal           area  = 0.;
@@ -320,7 +221,7 @@ static PetscErrorCode MakeSides(MpmPairContacts *contacts, MpmSpace *space)
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPairPatch *patch = &contacts->patch[k];
 
-    FOR_SIDES(patch, f, s) IncludeNodes(&boxes[2 * k + s], &contacts->facet[contacts->list[f]]);
+    MPM_PAIR_SIDES(patch, f, s) IncludeNodes(&boxes[2 * k + s], &contacts->facet[contacts->list[f]]);
     for (PetscInt s = 0; s < 2; s++) {
       patch->side[s].box    = begin + 2 * k + s;
       patch->side[s].weight = contacts->weight_count;
@@ -343,7 +244,7 @@ static PetscErrorCode WeighSides(MpmPairContacts *contacts, const MpmSpace *spac
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPairPatch *patch = &contacts->patch[k];
 
-    FOR_SIDES(patch, f, s)
+    MPM_PAIR_SIDES(patch, f, s)
     {
       const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
       PetscReal           area  = 0.;
@@ -456,168 +357,5 @@ PetscErrorCode MpmPairPatchesLink(void *ctx, MpmSpace *space)
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     PetscCall(MpmSpaceCouple(space, contacts->patch[k].side[0].box, contacts->patch[k].side[1].box));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- kept values of the points ---- */
-
-/* The mean of a field over the first body's facets of each patch of a pair. */
-static PetscErrorCode LoadField(const MpmPairContacts *contacts, PetscInt pair, const char *name, PetscInt dim,
-                                MpmParticles *particles, PetscReal mean[])
-{
-  PetscReal *value;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmParticlesGetField(particles, name, &value));
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    const MpmPairPatch *patch = &contacts->patch[k];
-
-    if (patch->pair != pair) continue;
-    mean[k] = 0.;
-    for (PetscInt f = patch->side[0].begin; f < patch->side[0].end; f++) {
-      const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
-      PetscReal           area  = 0.;
-
-      for (PetscInt a = 0; a < dim; a++) area += patch->normal[a] * facet->area[a];
-      mean[k] += PetscAbsReal(area) / patch->side[0].area * value[facet->point];
-    }
-  }
-  PetscCall(MpmParticlesRestoreField(particles, &value));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  Gap at which a patch touches when the run starts: that of an overlap, or of rounding; and, where an unknown surface
-  cut the lattice, any one that is less than a facet's size.
-*/
-static PetscReal TouchesAtStart(PetscInt dim, const MpmPairContacts *contacts, const MpmPairPatch *patch)
-{
-  const PetscReal size = contacts->facet[contacts->list[patch->side[0].begin]].size;
-  PetscReal       within;
-  PetscBool       cut = PETSC_TRUE;
-
-  if (contacts->pairs->at[patch->pair]
-        .barrier) /* needs a gap: half of its reach, where it bears, or all, where its energy would be set free */
-    return PetscMin(patch->gap - (contacts->dynamic ? 1. : 0.5) * MPM_BARRIER * contacts->cell, 0.);
-  for (PetscInt a = 0; a < dim; a++)
-    if (PetscAbsReal(patch->normal[a]) > 1. - ALIGNED) cut = PETSC_FALSE;
-  FOR_SIDES(patch, f, s) if (contacts->facet[contacts->list[f]].placed) cut = PETSC_FALSE;
-  within = cut ? size : MPM_TOLERANCE * contacts->cell;
-  return patch->gap < within ? patch->gap : 0.;
-}
-
-/* Conductance for water as the step starts, of the pair's open contacts. */
-static void OpenPatch(const MpmPairContacts *contacts, const MpmSum *sum, MpmPairPatch *patch)
-{
-  const MpmPair  *pair     = &contacts->pairs->at[patch->pair];
-  const PetscReal reach    = pair->barrier ? MPM_BARRIER : CLOSED;
-  PetscReal       mobility = PETSC_INFINITY;
-
-  patch->through = 0.;
-  if (!pair->open || patch->gap - patch->touches > reach * contacts->cell) return;
-  FOR_SIDES(patch, f, s)
-  {
-    const MpmMaterial       *material = &sum->materials[contacts->facet[contacts->list[f]].material];
-    const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, NULL, sum->layout->dim);
-
-    /* over a length of zero: conductance of a step of a second */
-    mobility =
-      PetscMin(mobility, PetscAbsReal(sum->layout->ghost(&of, material->physics_parameter, 1., 1e-9 * contacts->cell)));
-  }
-  patch->through = PASSES * mobility / contacts->cell;
-}
-
-PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
-{
-  MpmPairContacts *contacts = (MpmPairContacts *)ctx;
-  const PetscInt   dim      = step->sum->space->dim;
-  PetscReal       *mean;
-
-  PetscFunctionBeginUser;
-  contacts->give = 1.;
-  if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(contacts->patch_count, &mean));
-  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
-    const MpmPair *pair = &contacts->pairs->at[p];
-
-    PetscCall(LoadField(contacts, p, pair->gap_field, dim, step->particles, mean));
-    for (PetscInt k = 0; k < contacts->patch_count; k++) {
-      MpmPairPatch *patch = &contacts->patch[k];
-
-      if (patch->pair != p) continue;
-      patch->touches = contacts->starts ? TouchesAtStart(dim, contacts, patch) : mean[k];
-      if (step->rules->put_back) patch->touches = mean[k] < 0.5 * UNKNOWN ? patch->gap - mean[k] : 0.;
-    }
-    if (pair->augmented) PetscCall(LoadField(contacts, p, pair->pressure_field, dim, step->particles, mean));
-    for (PetscInt k = 0; pair->augmented && k < contacts->patch_count; k++)
-      if (contacts->patch[k].pair == p) contacts->patch[k].shift = mean[k] / contacts->patch[k].stiffness;
-    for (PetscInt a = 0; pair->tangential && a < dim; a++) {
-      PetscCall(LoadField(contacts, p, pair->slip_field[a], dim, step->particles, mean));
-      for (PetscInt k = 0; k < contacts->patch_count; k++)
-        if (contacts->patch[k].pair == p) contacts->patch[k].slip[a] = mean[k];
-    }
-  }
-  PetscCall(PetscFree(mean));
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    MpmPairPatch *patch = &contacts->patch[k];
-    PetscReal     dot   = 0.;
-
-    OpenPatch(contacts, step->sum, patch);
-    for (PetscInt a = 0; a < dim; a++) dot += patch->slip[a] * patch->normal[a];
-    for (PetscInt a = 0; a < dim; a++) patch->slip[a] -= dot * patch->normal[a];
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*slip)[MPM_MAX_DIM],
-                                  MpmParticles          *particles)
-{
-  PetscInt points;
-
-  PetscFunctionBeginUser;
-  PetscCall(DMSwarmGetLocalSize(particles->swarm, &points));
-  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
-    const MpmPair *pair = &contacts->pairs->at[p];
-
-    for (PetscInt a = 0; a < MPM_MAX_DIM + 2; a++) { /* the slip, the gap, the pressure */
-      const char *const names[] = {pair->slip_field[0], pair->slip_field[1], pair->slip_field[2], pair->gap_field,
-                                   pair->pressure_field};
-      const char *const name    = names[a];
-      PetscReal        *value;
-
-      if (!name) continue;
-      PetscCall(MpmParticlesGetField(particles, name, &value));
-      if (a != MPM_MAX_DIM) PetscCall(MpmPointsClear(points, value));
-      for (PetscInt k = 0; k < contacts->patch_count; k++) {
-        const MpmPairPatch *patch = &contacts->patch[k];
-        const PetscReal kept[] = {slip[k][0], slip[k][1], slip[k][2], patch->touches, patch->shift * patch->stiffness};
-
-        for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
-          value[contacts->facet[contacts->list[f]].point] = kept[a];
-      }
-      PetscCall(MpmParticlesRestoreField(particles, &value));
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmPairsPutBack(const void *ctx, PetscInt points, MpmParticles *particles)
-{
-  const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
-
-  PetscFunctionBeginUser;
-  for (PetscInt p = 0; p < contacts->pairs->count; p++) {
-    PetscReal *value;
-
-    PetscCall(MpmParticlesGetField(particles, contacts->pairs->at[p].gap_field, &value));
-    for (PetscInt k = 0; k < points; k++) value[k] = UNKNOWN;
-    for (PetscInt k = 0; k < contacts->patch_count; k++) {
-      const MpmPairPatch *patch = &contacts->patch[k];
-
-      for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
-        value[contacts->facet[contacts->list[f]].point] = patch->gap - patch->touches - patch->closed;
-    }
-    PetscCall(MpmParticlesRestoreField(particles, &value));
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -21,8 +21,7 @@
 #include "grid/grid.h"
 #include "particles/points.h"
 #include "space/space.h"
-#include "contact/contact.h"
-#include "contact/rigid_body.h"
+#include "facets/facets.h"
 
 #define DIVISIONS 4  /* samples a cell and axis */
 #define WIDTH     2. /* eps over the samples' spacing */
@@ -43,11 +42,11 @@ typedef struct {
 } Share;
 
 typedef struct {
-  const MpmContacts *contacts;
-  const MpmGrid     *grid;
-  PetscInt           boundary, count, own;
-  Candidate         *candidate;
-  Share             *share; /* of the own ones, by point */
+  const MpmFacets *facets;
+  const MpmGrid   *grid;
+  PetscInt         boundary, count, own;
+  Candidate       *candidate;
+  Share           *share; /* of the own ones, by point */
 } Shares;
 
 /* Cells are numbered with a rim around the grid, where samples of the surface inside may lie. */
@@ -88,7 +87,7 @@ static int CompareCells(const void *a, const void *b)
 static PetscErrorCode FindCandidates(Shares *shares, const MpmPoints *points)
 {
   const MpmGrid     *grid     = shares->grid;
-  const MpmBoundary *boundary = &shares->contacts->boundaries[shares->boundary];
+  const MpmBoundary *boundary = &shares->facets->boundaries[shares->boundary];
   const PetscInt     dim      = grid->dim;
   PetscInt          *boxes, cell[MPM_MAX_DIM];
 
@@ -104,8 +103,8 @@ static PetscErrorCode FindCandidates(Shares *shares, const MpmPoints *points)
       candidate->x[a] = points->x[p * dim + a];
       candidate->near = PetscMax(candidate->near, NEAR * MpmPointHalfWhole(points, dim, p, a));
     }
-    candidate->near = PetscMin(candidate->near, shares->contacts->cell);
-    MpmContactsDistance(shares->contacts, shares->boundary, candidate->x, &surface);
+    candidate->near = PetscMin(candidate->near, shares->facets->cell);
+    MpmFacetsDistance(shares->facets, shares->boundary, candidate->x, &surface);
     if (PetscAbsReal(surface.distance) > candidate->near) continue;
     MpmGridFindCell(grid, candidate->x, cell);
     candidate->cell = Number(grid, cell);
@@ -176,7 +175,7 @@ static PetscReal SampleArea(const Shares *shares, const PetscReal x[], const Pet
   PetscReal      M[MPM_MAX_DIM * MPM_MAX_DIM], width = 0., area = 1.;
   MpmSurface     surface;
 
-  MpmContactsDistance(shares->contacts, shares->boundary, x, &surface);
+  MpmFacetsDistance(shares->facets, shares->boundary, x, &surface);
   for (PetscInt a = 0; a < dim; a++) width += WIDTH * PetscAbsReal(surface.normal[a]) * spacing[a];
   if (PetscAbsReal(surface.distance) >= width) return 0.;
   for (PetscInt a = 0; a < dim; a++) {
@@ -202,7 +201,7 @@ static void SampleCell(Shares *shares, const PetscInt cell[])
     x[a]       = grid->lower[a] + ((PetscReal)cell[a] + 0.5) * grid->h[a];
     reach += (0.5 * DIVISIONS + WIDTH) * spacing[a];
   }
-  MpmContactsDistance(shares->contacts, shares->boundary, x, &surface);
+  MpmFacetsDistance(shares->facets, shares->boundary, x, &surface);
   if (PetscAbsReal(surface.distance) > reach) return;
   for (PetscInt k = 0; k < PetscPowInt(DIVISIONS, dim); k++) {
     const Candidate *nearest;
@@ -247,11 +246,11 @@ static PetscErrorCode Sample(Shares *shares)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSurfaceShares(MpmContacts *contacts, PetscInt boundary, const MpmGrid *grid, const MpmSpace *space,
-                                const MpmPoints *points)
+PetscErrorCode MpmFacetsAddShares(MpmFacets *facets, PetscInt boundary, const MpmGrid *grid, const MpmSpace *space,
+                                  const MpmPoints *points)
 {
   const PetscInt dim    = grid->dim;
-  Shares         shares = {.contacts = contacts, .grid = grid, .boundary = boundary};
+  Shares         shares = {.facets = facets, .grid = grid, .boundary = boundary};
 
   PetscFunctionBeginUser;
   PetscCall(FindCandidates(&shares, points));
@@ -266,13 +265,13 @@ PetscErrorCode MpmSurfaceShares(MpmContacts *contacts, PetscInt boundary, const 
 
       if (!(share->area > 0.)) continue;
       for (PetscInt a = 0; a < dim; a++) facet.place[a] = share->moment[a] / share->area;
-      MpmContactsDistance(contacts, boundary, facet.place, &surface);
+      MpmFacetsDistance(facets, boundary, facet.place, &surface);
       for (PetscInt a = 0; a < dim; a++) {
         facet.normal[a] = surface.normal[a];
         facet.place[a] -= surface.distance * surface.normal[a];
       }
-      facet.cell = MpmContactsCell(grid, &points->x[p * dim], points->part ? points->part[p] : 0);
-      PetscCall(MpmContactsAddFacet(contacts, &facet));
+      facet.key.cell = MpmFacetCell(grid, &points->x[p * dim], points->part ? points->part[p] : 0);
+      PetscCall(MpmFacetsAdd(facets, &facet));
     }
   }
   PetscCall(PetscFree(shares.share));

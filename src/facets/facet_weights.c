@@ -19,7 +19,7 @@
 #include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
-#include "contact/contact.h"
+#include "facets/facets.h"
 
 /* Weights on one axis, and where the nodes that have them lie beside those of the point's group. */
 typedef struct {
@@ -64,11 +64,11 @@ static void DomainLine(const MpmRules *rules, const MpmSpace *space, const MpmPo
   const PetscReal x = (points->x[p * space->dim + a] - grid->lower[a]) / grid->h[a];
   PetscReal       at, place = InDomain(rules, points, facet, a, half, &at);
   const PetscReal room = PetscMax(half - PetscAbsReal(at - x), 0.),
-                  out  = facet->corner ? (place - at) * grid->h[a] : 0.;
+                  out  = facet->key.corner ? (place - at) * grid->h[a] : 0.;
   Axis axis;
 
   SetAxis(rules, points, p, &axis);
-  MpmShapeEvaluate(rules->shape, rules->edge, at, facet->slice ? PetscMin(room, half / MPM_SLICES) : room,
+  MpmShapeEvaluate(rules->shape, rules->edge, at, facet->key.slice ? PetscMin(room, half / MPM_SLICES) : room,
                    axis.lower[a], axis.upper[a], &axis.line);
   for (PetscInt i = 0; i <= last; i++) line[i] = 0.;
   for (PetscInt i = 0; i < axis.line.count; i++) /* rounding may touch a node more than the domain does */
@@ -122,8 +122,30 @@ void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints
   line[2][0] = 1.;
   if (domain) (void)MpmSpaceHalfLengths(rules, points, facet->point, half);
   for (PetscInt a = 0; a < space->dim; a++) {
-    if (facet->round) PointLine(space, points, facet, a, line[a]);
+    if (facet->key.round) PointLine(space, points, facet, a, line[a]);
     else if (domain) DomainLine(rules, space, points, facet, a, half[a], line[a]);
     else IntervalLine(rules, space, points, facet, a, line[a]);
+  }
+}
+
+void MpmFacetBoxWeights(const MpmFacets *facets, const MpmRules *rules, const MpmSpace *space, const MpmPoints *points,
+                        const MpmFacet *facet, const MpmGroup *box, PetscReal weight[])
+{
+  const MpmGroup  group = MpmFacetBox(facets, space, facet);
+  const MpmPiece *piece = facet->piece ? &facets->pieces.at[facet->piece - 1] : NULL;
+  PetscReal       line[MPM_MAX_DIM][MPM_MAX_WIDTH];
+  const PetscReal(*lines)[MPM_MAX_WIDTH] = (const PetscReal(*)[MPM_MAX_WIDTH])(piece ? piece->line : line);
+
+  if (!piece) MpmFacetLines(rules, space, points, facet, line);
+  for (PetscInt i = 0; i < box->node_count; i++) {
+    const PetscInt row             = i / box->count[0];
+    const PetscInt at[MPM_MAX_DIM] = {i % box->count[0], row % box->count[1], row / box->count[1]};
+
+    weight[i] = 1.;
+    for (PetscInt a = 0; a < space->dim; a++) {
+      const PetscInt k = at[a] + box->first[a] - group.first[a];
+
+      weight[i] *= k >= 0 && k < group.count[a] ? lines[a][k] : 0.;
+    }
   }
 }

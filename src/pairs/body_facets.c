@@ -20,9 +20,9 @@
 #include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
-#include "contact/body_facets.h"
+#include "pairs/body_facets.h"
 #include "contact/contact.h"
-#include "contact/contact_search.h"
+#include "facets/contact_search.h"
 
 #define SLACK 1.01 /* of the distance between points: domains may have been stretched */
 

@@ -27,8 +27,8 @@
 #include "space/sum.h"
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
-#include "contact/body_contact.h"
-#include "contact/body_patch.h"
+#include "pairs/body_contact.h"
+#include "pairs/body_patch.h"
 #include "contact/contact_law.h"
 
 /* Water that passes by the difference of pressures. */

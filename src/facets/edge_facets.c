@@ -13,7 +13,7 @@
   whose faces are steps.
 */
 #include "geometry/geometry.h"
-#include "contact/contact.h"
+#include "facets/facets.h"
 
 #define SHARP 0.9  /* cosine between the normals on both sides of an edge, at most */
 #define OFF   1e-6 /* of a cell: so far from the surface, a place on a face's plane is beyond its edge */
@@ -21,10 +21,10 @@
   0.1 /* of the way from a face's middle to its corner: so far off a plane's the distance there shows an edge */
 
 /* True where the surface ends, or bends, no farther than a cell of sizes h from a facet, along its plane. */
-static PetscBool EdgeIsNear(const MpmContacts *contacts, const PetscReal h[], const MpmFacet *facet,
+static PetscBool EdgeIsNear(const MpmFacets *facets, const PetscReal h[], const MpmFacet *facet,
                             const MpmSurface *surface)
 {
-  const PetscInt dim = contacts->boundaries[facet->boundary].dim;
+  const PetscInt dim = facets->boundaries[facet->boundary].dim;
 
   for (PetscInt k = 0; k < 2 * dim; k++) {
     const PetscReal way             = k % 2 ? h[k / 2] : -h[k / 2];
@@ -33,9 +33,9 @@ static PetscBool EdgeIsNear(const MpmContacts *contacts, const PetscReal h[], co
     MpmSurface      there;
 
     for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + (a == k / 2 ? way : 0.) - off * surface->normal[a];
-    MpmContactsDistance(contacts, facet->boundary, at, &there);
+    MpmFacetsDistance(facets, facet->boundary, at, &there);
     for (PetscInt a = 0; a < dim; a++) cosine += there.normal[a] * surface->normal[a];
-    if (PetscAbsReal(there.distance) > OFF * contacts->cell && cosine < SHARP) return PETSC_TRUE;
+    if (PetscAbsReal(there.distance) > OFF * facets->cell && cosine < SHARP) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
@@ -47,12 +47,12 @@ static void AlongFace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], PetscReal s
 }
 
 /* True where the distances at the face's corners are not those from a plane. */
-static PetscBool MeetsEdge(const MpmContacts *contacts, PetscReal (*sides)[MPM_MAX_DIM], const MpmFacet *facet)
+static PetscBool MeetsEdge(const MpmFacets *facets, PetscReal (*sides)[MPM_MAX_DIM], const MpmFacet *facet)
 {
-  const PetscInt dim = contacts->boundaries[facet->boundary].dim;
+  const PetscInt dim = facets->boundaries[facet->boundary].dim;
   MpmSurface     middle, corner;
 
-  MpmContactsDistance(contacts, facet->boundary, facet->place, &middle);
+  MpmFacetsDistance(facets, facet->boundary, facet->place, &middle);
   for (PetscInt k = 0; k < PetscPowInt(2, dim - 1); k++) {
     PetscReal at[MPM_MAX_DIM] = {0., 0., 0.}, flat = middle.distance, square = 0.;
 
@@ -62,25 +62,25 @@ static PetscBool MeetsEdge(const MpmContacts *contacts, PetscReal (*sides)[MPM_M
       square += PetscSqr(at[a]);
       at[a] += facet->place[a];
     }
-    MpmContactsDistance(contacts, facet->boundary, at, &corner);
+    MpmFacetsDistance(facets, facet->boundary, at, &corner);
     if (PetscAbsReal(corner.distance - flat) > BENT * PetscSqrtReal(square)) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
 
-PetscInt MpmContactsAtEdge(const MpmContacts *contacts, const PetscReal h[], PetscReal (*sides)[MPM_MAX_DIM],
-                           const MpmSurface *surface, MpmFacet *facet)
+PetscInt MpmFacetAtEdge(const MpmFacets *facets, const PetscReal h[], PetscReal (*sides)[MPM_MAX_DIM],
+                        const MpmSurface *surface, MpmFacet *facet)
 {
-  const MpmBoundary *boundary = &contacts->boundaries[facet->boundary];
+  const MpmBoundary *boundary = &facets->boundaries[facet->boundary];
 
-  if (!MpmSolidHasFaces(&boundary->solid) || boundary->bilateral || contacts->cut[facet->boundary]) return 0;
-  facet->single = EdgeIsNear(contacts, h, facet, surface);
-  return facet->single && MeetsEdge(contacts, sides, facet) ? PetscPowInt(MPM_SLICES, boundary->dim - 1) : 0;
+  if (!MpmSolidHasFaces(&boundary->solid) || boundary->bilateral || facets->cut[facet->boundary]) return 0;
+  facet->key.single = EdgeIsNear(facets, h, facet, surface);
+  return facet->key.single && MeetsEdge(facets, sides, facet) ? PetscPowInt(MPM_SLICES, boundary->dim - 1) : 0;
 }
 
-void MpmContactsSlicePlace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], MpmFacet *slice)
+void MpmFacetSlicePlace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], MpmFacet *slice)
 {
-  const PetscInt k = slice->slice - 1;
+  const PetscInt k = slice->key.slice - 1;
   PetscReal      way[MPM_MAX_DIM];
 
   AlongFace(dim, sides, (PetscReal)(2 * (k % MPM_SLICES) + 1) / MPM_SLICES - 1.,

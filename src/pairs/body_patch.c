@@ -4,8 +4,8 @@
 */
 #include "space/space.h"
 #include "space/sum.h"
-#include "contact/body_contact.h"
-#include "contact/body_patch.h"
+#include "pairs/body_contact.h"
+#include "pairs/body_patch.h"
 #include "contact/contact_law.h"
 
 /* k'/k of contacts that may slide: both sides yield, and many patches change from sticking to sliding at once */

@@ -2,7 +2,7 @@
 /*
   Facets of bodies in contact with one another: those of a rank and copies of others' that are near (body_facets.c).
 */
-#include "contact/body_contact.h"
+#include "pairs/body_contact.h"
 
 struct MpmPairFacet {
   PetscInt part, id, face, point,
@@ -26,3 +26,8 @@ void MpmPairFacetCells(const MpmGrid *grid, const MpmPairFacet *facet, PetscReal
 /* The facets of a cell, [first, end) in their order. */
 void MpmPairFacetsOfCell(const MpmPairContacts *contacts, const PetscInt cell[], PetscInt *first, PetscInt *end);
 #define MPM_PAIR_SEARCH 1.5 /* cells: no facet across is looked for farther away */
+
+/* Each facet of either side with its side's number. */
+#define MPM_PAIR_SIDES(patch, f, s) \
+  for (PetscInt s = 0; s < 2; s++) \
+    for (PetscInt f = (patch)->side[s].begin; f < (patch)->side[s].end; f++)

@@ -6,8 +6,8 @@
 */
 #include "point/layout.h"
 #include "space/sum.h"
-#include "contact/body_contact.h"
-#include "contact/body_patch.h"
+#include "pairs/body_contact.h"
+#include "pairs/body_patch.h"
 #include "contact/contact_law.h"
 
 PetscErrorCode MpmPairsAddSquares(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal *squares)

@@ -8,8 +8,8 @@
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "particles/points.h"
-#include "contact/contact_search.h"
-#include "contact/rigid_body.h"
+#include "rigid/rigid_motion.h"
+#include "facets/contact_search.h"
 
 #define SIDE_BY_SIDE 64   /* points of a box, */
 #define TOGETHER     8    /* and boxes that are asked about together first */
@@ -187,14 +187,14 @@ PetscErrorCode MpmFaceBoxesCreate(MpmFaceBoxes **boxes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmFaceBoxesBegin(MpmContacts *contacts, const MpmPoints *points)
+PetscErrorCode MpmFaceBoxesBegin(MpmFacets *facets, const MpmPoints *points)
 {
-  const PetscInt dim   = contacts->boundaries[0].dim;
+  const PetscInt dim   = facets->boundaries[0].dim;
   PetscBool      any   = PETSC_FALSE;
-  MpmFaceBoxes  *boxes = contacts->boxes;
+  MpmFaceBoxes  *boxes = facets->boxes;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->boundary_count; b++) any = (PetscBool)(any || !contacts->boundaries[b].bilateral);
+  for (PetscInt b = 0; b < facets->boundary_count; b++) any = (PetscBool)(any || !facets->boundaries[b].bilateral);
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   boxes->made = PETSC_FALSE;
   boxes->all  = None();
@@ -235,33 +235,32 @@ PetscErrorCode MpmFaceBoxesDestroy(MpmFaceBoxes **boxes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal MpmContactsMargin(const MpmContacts *contacts, const MpmGrid *grid, PetscInt b, const PetscReal x[])
+PetscReal MpmFacetsMargin(const MpmFacets *facets, const MpmGrid *grid, PetscInt b, const PetscReal x[])
 {
-  const MpmPose *before = &contacts->before[b], *after = &contacts->after[b];
+  const MpmPose *before = &facets->before[b], *after = &facets->after[b];
   PetscReal      margin = PetscAbsReal(after->growth - before->growth), y[MPM_MAX_DIM];
 
   MpmPoseCarry(grid->dim, after, before, x, y);
   for (PetscInt a = 0; a < grid->dim; a++) margin += 2. * grid->h[a] + PetscAbsReal(y[a] - x[a]);
-  if (MpmContactsBody(contacts, b))
-    for (PetscInt k = 0; k < 6; k++) margin += 2. * PetscAbsReal(contacts->bodies[b].guess[k]);
+  if (MpmFacetsBody(facets, b))
+    for (PetscInt k = 0; k < 6; k++) margin += 2. * PetscAbsReal(facets->bodies[b].guess[k]);
   return margin;
 }
 
-PetscBool MpmContactsIsFar(const MpmContacts *contacts, PetscInt b, PetscReal margin, const MpmPoints *points,
-                           PetscInt p)
+PetscBool MpmFacetsAreFar(const MpmFacets *facets, PetscInt b, PetscReal margin, const MpmPoints *points, PetscInt p)
 {
-  const PetscInt dim = contacts->boundaries[b].dim;
+  const PetscInt dim = facets->boundaries[b].dim;
   MpmSurface     surface;
 
-  MpmContactsDistance(contacts, b, &points->x[p * dim], &surface);
+  MpmFacetsDistance(facets, b, &points->x[p * dim], &surface);
   return (PetscBool)(surface.distance > margin + REACH * Edges(dim, points, p));
 }
 
 /* The test for all points in a box. The motion of a surface is largest in a corner. */
-static PetscBool BoxIsFar(const MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmFaceBox *box)
+static PetscBool BoxIsFar(const MpmFacets *facets, PetscInt b, const MpmGrid *grid, const MpmFaceBox *box)
 {
   const PetscInt  dim                 = grid->dim;
-  const PetscBool turns               = (PetscBool)(contacts->before[b].turned || contacts->after[b].turned);
+  const PetscBool turns               = (PetscBool)(facets->before[b].turned || facets->after[b].turned);
   const PetscInt  corners             = turns ? PetscPowInt(2, dim) : 1;
   PetscReal       middle[MPM_MAX_DIM] = {0., 0., 0.}, square = 0., margin = 0.;
   MpmSurface      surface;
@@ -275,39 +274,39 @@ static PetscBool BoxIsFar(const MpmContacts *contacts, PetscInt b, const MpmGrid
     PetscReal at[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < dim; a++) at[a] = k >> a & 1 ? box->upper[a] : box->lower[a];
-    margin = PetscMax(margin, MpmContactsMargin(contacts, grid, b, at));
+    margin = PetscMax(margin, MpmFacetsMargin(facets, grid, b, at));
   }
-  MpmContactsDistance(contacts, b, middle, &surface);
+  MpmFacetsDistance(facets, b, middle, &surface);
   /* sum_a |F e_a| l_a <= sqrt(dim) |F| times the longest l_a */
   margin += 0.5 * PetscSqrtReal(square) + REACH * PetscSqrtReal((PetscReal)dim * box->square);
   return (PetscBool)(surface.distance * (1. - ROUNDING) > margin * (1. + ROUNDING));
 }
 
 /* BoxIsFar() by halves of the box, and of these where needed: bodies are mostly longer than they are thick. */
-static PetscBool IsFarInHalves(const MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmFaceBox *box,
+static PetscBool IsFarInHalves(const MpmFacets *facets, PetscInt b, const MpmGrid *grid, const MpmFaceBox *box,
                                PetscInt halvings)
 {
   MpmFaceBox half[2] = {*box, *box};
   PetscInt   axis    = 0;
 
-  if (BoxIsFar(contacts, b, grid, box)) return PETSC_TRUE;
+  if (BoxIsFar(facets, b, grid, box)) return PETSC_TRUE;
   if (!halvings) return PETSC_FALSE;
   for (PetscInt a = 1; a < grid->dim; a++)
     if (box->upper[a] - box->lower[a] > box->upper[axis] - box->lower[axis]) axis = a;
   half[0].upper[axis] = half[1].lower[axis] = 0.5 * (box->lower[axis] + box->upper[axis]);
-  return (PetscBool)(IsFarInHalves(contacts, b, grid, &half[0], halvings - 1) &&
-                     IsFarInHalves(contacts, b, grid, &half[1], halvings - 1));
+  return (PetscBool)(IsFarInHalves(facets, b, grid, &half[0], halvings - 1) &&
+                     IsFarInHalves(facets, b, grid, &half[1], halvings - 1));
 }
 
-PetscErrorCode MpmFaceBoxesFind(const MpmContacts *contacts, PetscInt b, const MpmGrid *grid, const MpmPoints *points,
+PetscErrorCode MpmFaceBoxesFind(const MpmFacets *facets, PetscInt b, const MpmGrid *grid, const MpmPoints *points,
                                 PetscBool *far)
 {
-  MpmFaceBoxes *boxes = contacts->boxes;
+  MpmFaceBoxes *boxes = facets->boxes;
 
   PetscFunctionBeginUser;
   *far = PETSC_FALSE;
-  if (contacts->boundaries[b].bilateral) PetscFunctionReturn(PETSC_SUCCESS);
-  *far = IsFarInHalves(contacts, b, grid, &boxes->all, HALVINGS);
+  if (facets->boundaries[b].bilateral) PetscFunctionReturn(PETSC_SUCCESS);
+  *far = IsFarInHalves(facets, b, grid, &boxes->all, HALVINGS);
   if (*far) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Make(boxes, grid->dim, points));
   *far = PETSC_TRUE;
@@ -317,18 +316,18 @@ PetscErrorCode MpmFaceBoxesFind(const MpmContacts *contacts, PetscInt b, const M
     PetscBool      all;
 
     for (PetscInt k = begin; k < end; k++) Unite(grid->dim, &boxes->box[k], &whole);
-    all = BoxIsFar(contacts, b, grid, &whole);
+    all = BoxIsFar(facets, b, grid, &whole);
     for (PetscInt k = begin; k < end; k++) {
-      boxes->far[k] = (PetscBool)(all || BoxIsFar(contacts, b, grid, &boxes->box[k]));
+      boxes->far[k] = (PetscBool)(all || BoxIsFar(facets, b, grid, &boxes->box[k]));
       *far          = (PetscBool)(*far && boxes->far[k]);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscBool MpmFaceBoxIsFar(const MpmContacts *contacts, PetscInt b, PetscInt p)
+PetscBool MpmFaceBoxIsFar(const MpmFacets *facets, PetscInt b, PetscInt p)
 {
-  return (PetscBool)(!contacts->boundaries[b].bilateral && contacts->boxes->far[p / SIDE_BY_SIDE]);
+  return (PetscBool)(!facets->boundaries[b].bilateral && facets->boxes->far[p / SIDE_BY_SIDE]);
 }
 
 PetscErrorCode MpmContactSearchRegister(PetscLogEvent *event)
