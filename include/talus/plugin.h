@@ -1,15 +1,17 @@
 #pragma once
 /*
-  Laws and physics that are compiled outside the tree: a shared library that -mpm_plugin loads.
+  Laws, physics and terms that are compiled outside the tree: a shared library that -mpm_plugin loads.
 
   talus_add_plugin() of the installed CMake package makes one; the file that it generates defines the two symbols below.
 */
 #include "talus/talus.h"
+#include "talus/term.h"
 
 /* Services of the program for a plugin, which calls nothing else of it. */
 typedef struct {
   PetscErrorCode (*register_law)(PetscInt count, const MpmLawInstance instances[]);
   PetscErrorCode (*register_physics)(const MpmPhysics *physics);
+  PetscErrorCode (*register_term)(const MpmTermType *type);
 } MpmPluginHost;
 
 #pragma GCC visibility push(default)

@@ -166,23 +166,48 @@ PetscBool MpmTermIsQuadratic(const void *ctx)
   return PETSC_TRUE;
 }
 
-PetscBool MpmTermsAreQuadratic(const MpmTerms *terms)
+PetscBool MpmTermsHaveEnergy(const MpmTerms *terms)
 {
   for (PetscInt k = 0; k < terms->count; k++) {
     const MpmTerm *term = terms->term[k];
 
-    if (!term->points && !(term->quadratic && term->quadratic(terms->ctx[k]))) return PETSC_FALSE;
+    if (!term->points && !term->energy && !(term->quadratic && term->quadratic(terms->ctx[k]))) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
 
-/* Forces of the points, or of all terms but those. */
-static PetscErrorCode AddResidual(const MpmTerms *terms, PetscBool points, const MpmSum *sum, const PetscReal u[],
-                                  PetscReal residual[], PetscInt *failed)
+PetscErrorCode MpmTermsEnergy(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal *energy,
+                              PetscInt *failed)
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < terms->count; k++)
-    if (terms->term[k]->points == points && !MpmTermsIdle(terms, k))
+    if (terms->term[k]->energy && !MpmTermsIdle(terms, k))
+      PetscCall(terms->term[k]->energy(terms->ctx[k], sum, u, energy, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool IsPoints(const MpmTerm *term)
+{
+  return term->points;
+}
+
+static PetscBool IsOther(const MpmTerm *term)
+{
+  return (PetscBool)!term->points;
+}
+
+static PetscBool IsQuadratic(const MpmTerm *term)
+{
+  return (PetscBool)(!term->points && !term->energy);
+}
+
+/* Forces of the chosen terms. */
+static PetscErrorCode AddResidual(const MpmTerms *terms, PetscBool (*chosen)(const MpmTerm *), const MpmSum *sum,
+                                  const PetscReal u[], PetscReal residual[], PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (chosen(terms->term[k]) && !MpmTermsIdle(terms, k))
       PetscCall(terms->term[k]->residual(terms->ctx[k], sum, u, residual, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -191,7 +216,7 @@ PetscErrorCode MpmTermsResidualPoints(const MpmTerms *terms, const MpmSum *sum, 
                                       PetscReal residual[], PetscInt *failed)
 {
   PetscFunctionBeginUser;
-  PetscCall(AddResidual(terms, PETSC_TRUE, sum, u, residual, failed));
+  PetscCall(AddResidual(terms, IsPoints, sum, u, residual, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -199,7 +224,15 @@ PetscErrorCode MpmTermsResidualRest(const MpmTerms *terms, const MpmSum *sum, co
                                     PetscInt *failed)
 {
   PetscFunctionBeginUser;
-  PetscCall(AddResidual(terms, PETSC_FALSE, sum, u, residual, failed));
+  PetscCall(AddResidual(terms, IsOther, sum, u, residual, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTermsResidualQuadratic(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[],
+                                         PetscReal residual[], PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  PetscCall(AddResidual(terms, IsQuadratic, sum, u, residual, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

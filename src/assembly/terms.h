@@ -62,7 +62,9 @@ struct MpmTermStep {
 
   points     the term is the physics at the points: first in the list, with forms of the Jacobian of its own
   quadratic  true where the term is linear in u with a symmetric matrix, with an energy of 1/2 u . (r(u) + r(0)) in a
-             step; NULL: the term has no energy. Energy of the points: MpmPotentialExists()
+             step. Energy of the points: MpmPotentialExists()
+  energy     adds the energy at u whose derivative the residual is, J, this rank's part, in place of `quadratic`; with
+             neither the term has no energy
   account    entry of the work that the term takes from the material
   work       adds other work of the forces at `at` in the displacement u
 */
@@ -84,6 +86,8 @@ struct MpmTerm {
   PetscErrorCode (*stage)(void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal theta);
   PetscErrorCode (*commit)(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
   PetscBool (*quadratic)(const void *ctx);
+  PetscErrorCode (*energy)(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal *energy,
+                           PetscInt *failed);
   PetscErrorCode (*put_back)(const void *ctx, PetscInt points, MpmParticles *particles);
   unsigned (*traits)(const void *ctx);
   PetscBool *(*near)(void *ctx);
@@ -126,7 +130,12 @@ PetscBool MpmTermsIdle(const MpmTerms *terms, PetscInt k);
 /* True: `quadratic` of a term that always is. */
 PetscBool MpmTermIsQuadratic(const void *ctx);
 /* True where all terms but the points have an energy. */
-PetscBool MpmTermsAreQuadratic(const MpmTerms *terms);
+PetscBool MpmTermsHaveEnergy(const MpmTerms *terms);
+/* Adds the energies of the terms with `energy`; and, to `residual`, the forces of the others but the points. */
+PetscErrorCode MpmTermsEnergy(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal *energy,
+                              PetscInt *failed);
+PetscErrorCode MpmTermsResidualQuadratic(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[],
+                                         PetscReal residual[], PetscInt *failed);
 /* Forces of the points alone, and of all others, added to `residual`. */
 PetscErrorCode MpmTermsResidualPoints(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[],
                                       PetscReal residual[], PetscInt *failed);

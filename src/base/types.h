@@ -44,6 +44,7 @@ typedef struct MpmBodyMotions MpmBodyMotions;
 typedef struct MpmConstraints MpmConstraints;
 
 /* terms, time */
+typedef struct MpmAddedTerms     MpmAddedTerms;
 typedef struct MpmBodySurfaces   MpmBodySurfaces;
 typedef struct MpmBoundaries     MpmBoundaries;
 typedef struct MpmContacts       MpmContacts;

@@ -14,6 +14,7 @@
 #include "space/walls.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
+#include "volume/added_term.h"
 #include "rigid/rigid.h"
 #include "rigid/rigid_motion.h"
 #include "pairs/body_contact.h"
@@ -66,6 +67,7 @@ static PetscErrorCode CreateParts(MpmModel model)
   PetscCall(PetscNew(&model->scene.loads));
   PetscCall(PetscNew(&model->scene.water));
   PetscCall(PetscNew(&model->scene.surfaces));
+  PetscCall(PetscNew(&model->scene.terms));
   PetscCall(MpmStateCreate(&model->state));
   PetscCall(PetscNew(&grid));
   PetscCall(PetscNew(&layout));
@@ -213,6 +215,8 @@ static PetscErrorCode DestroyScene(MpmScene *scene)
   PetscCall(PetscFree(scene->water));
   PetscCall(MpmBodySurfacesDestroy(scene->surfaces));
   PetscCall(PetscFree(scene->surfaces));
+  PetscCall(MpmAddedTermsDestroy(scene->terms));
+  PetscCall(PetscFree(scene->terms));
   PetscCall(PetscFree(scene->title));
   PetscCall(PetscFree(scene->prefix));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -552,6 +556,8 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
     }
   }
   PetscCall(MpmSurfacesRead(model, options));
+  PetscCall(MpmAddedTermsRead(options, model->disc.grid, model->scene.terms));
+  if (!MpmAddedTermsAreSymmetric(model->scene.terms)) model->solver.symmetric = PETSC_FALSE;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),
                                  &model->scene.materials->at[m]));
@@ -709,6 +715,7 @@ static PetscErrorCode SetUp(MpmModel model)
                                    model->scene.pairs, model->state.placements, model->state.particles->state_size));
   PetscCall(MpmPointsCreate(model));
   PetscCall(MpmSurfacesAdd(model));
+  PetscCall(MpmDiscretizationAddTerms(&model->disc, model->scene.terms));
   model->solver.cache.minimisation.on = MpmStagesMinimise(model);
   PetscCall(MpmCheckpointKeepOptions(model, &options));
   PetscCall(EstimateUnknowns(model, &unknowns));

@@ -1,9 +1,9 @@
 /*
   Laws and physics that callers and plugins add to those that were compiled in.
 
-  The registry is the process', as PETSc's own registries of types are: the only data of the engine, besides the note of
-  a signal, that no model owns. Entries are only added, until PetscFinalize(), and models use the registry only while
-  they read their scene.
+  The registry is the process', as PETSc's own registries of types are: with the types of terms (term_types.c) and the
+  note of a signal the only data of the engine that no model owns. Entries are only added, until PetscFinalize(), and
+  models use the registry only while they read their scene.
 */
 #include <dlfcn.h>
 #include "talus/plugin.h"
@@ -143,7 +143,7 @@ static PetscErrorCode Open(const char path[], void **handle, char fault[], size_
 
 static PetscErrorCode Load(MPI_Comm comm, const char path[])
 {
-  const MpmPluginHost host = {MpmLawRegister, MpmPhysicsRegister};
+  const MpmPluginHost host = {MpmLawRegister, MpmPhysicsRegister, MpmTermRegister};
   char                fault[512];
   void               *handle = NULL, *symbol;
   Register            entry;
@@ -173,9 +173,9 @@ PetscErrorCode MpmPluginsLoad(const MpmOptions *options)
   PetscInt count;
 
   PetscFunctionBegin;
-  PetscCall(MpmOptionsText(options, "plugin",
-                           "files with laws and physics that were compiled outside the program, separated by commas",
-                           NULL, MPM_OPTIONAL, &text));
+  PetscCall(MpmOptionsText(
+    options, "plugin", "files with laws, physics and terms that were compiled outside the program, separated by commas",
+    NULL, MPM_OPTIONAL, &text));
   if (!text) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTextSplit(text, &count, &paths));
   for (PetscInt k = 0; k < count; k++) {

@@ -11,6 +11,7 @@
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
 #include "points/point_terms.h"
+#include "volume/added_term.h"
 #include "volume/damping.h"
 #include "volume/inertia.h"
 #include "volume/volume.h"
@@ -87,6 +88,13 @@ PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBo
   disc->surfaces->contacts  = disc->contacts;
   disc->surfaces->component = MpmPressureComponent(disc->layout);
   if (disc->surfaces->any_held) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaceFlow, disc->surfaces));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDiscretizationAddTerms(MpmDiscretization *disc, MpmAddedTerms *added)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < added->count; k++) PetscCall(MpmTermsAdd(&disc->terms, &added->at[k].term, &added->at[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -52,6 +52,8 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
    SetUp. */
 PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBodySurfaces *surfaces,
                                             MpmLoadActing *acting, const MpmKernelSet *kernel);
+/* Terms from outside the tree, which are borrowed. After SetUp. */
+PetscErrorCode MpmDiscretizationAddTerms(MpmDiscretization *disc, MpmAddedTerms *added);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
 /* Numbers of local and owned nodes, and of those of all ranks; true for a node of the grid, false for one of a body's
    or of another unknown's own. */

@@ -2,11 +2,12 @@
   The potential of a step: where every material has a stored energy, and nothing acts that has none, an implicit step is
   a minimisation,
 
-    Pi(u) = part sum_p V_p psi(F_p(u)) + 1/2 u . (r(u) + r(0)) - f . u ,     d Pi / d u = the residual
+    Pi(u) = part sum_p V_p psi(F_p(u)) + 1/2 u . (r(u) + r(0)) + E(u) - f . u ,     d Pi / d u = the residual
 
   with V_p the points' initial volumes, `part` the weight of the step's end in their forces (generalised-alpha method),
-  r the terms that are linear in u with a symmetric matrix, the ghost penalty and inertia, and f the loads, which are
-  constant in a step. With inertia alone that is (u - u*) . M (u - u*)/(2 beta dt^2), but for a constant.
+  r the terms that are linear in u with a symmetric matrix, the ghost penalty and inertia, E the energies that other
+  terms give by themselves, and f the loads, which are constant in a step. With inertia alone that is (u - u*) . M (u -
+  u*)/(2 beta dt^2), but for a constant.
 
   Sources: Ortiz, Stainier (1999), Comput. Meth. Appl. Mech. Eng. 171, 419-444, doi:10.1016/S0045-7825(98)00219-9; Gast,
   Schroeder, Stomakhin, Jiang, Teran (2015), IEEE Trans. Vis. Comput. Graph. 21, 1103-1115,
@@ -38,7 +39,7 @@ PetscBool MpmPotentialExists(const MpmDiscretization *disc)
 {
   for (PetscInt m = 0; m < disc->material_count; m++)
     if (!HasPotential(&disc->sum->materials[m])) return PETSC_FALSE;
-  return (PetscBool)(MpmTermsAreQuadratic(disc->terms) && disc->layout->solid && disc->block == disc->dim &&
+  return (PetscBool)(MpmTermsHaveEnergy(disc->terms) && disc->layout->solid && disc->block == disc->dim &&
                      !disc->layout->means && disc->parts == 1);
 }
 
@@ -73,8 +74,8 @@ static PetscErrorCode FindTrial(MpmDiscretization *disc, PetscInt *failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* 1/2 u . (r(u) + r(0)) of all terms but the points, on this rank. */
-static PetscErrorCode AddLinear(const MpmDiscretization *disc, PetscReal *value)
+/* 1/2 u . (r(u) + r(0)) of all terms but the points, or the term's own energy, on this rank. */
+static PetscErrorCode AddTerms(const MpmDiscretization *disc, PetscReal *value)
 {
   const PetscInt count  = MpmNodesLocal(disc) * disc->block;
   PetscInt       failed = 0;
@@ -82,9 +83,10 @@ static PetscErrorCode AddLinear(const MpmDiscretization *disc, PetscReal *value)
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc2(count, &force, count, &zero));
-  PetscCall(MpmTermsResidualRest(disc->terms, disc->sum, disc->u, force, &failed));
-  if (disc->inertia->active) PetscCall(MpmTermsResidualRest(disc->terms, disc->sum, zero, force, &failed));
+  PetscCall(MpmTermsResidualQuadratic(disc->terms, disc->sum, disc->u, force, &failed));
+  if (disc->inertia->active) PetscCall(MpmTermsResidualQuadratic(disc->terms, disc->sum, zero, force, &failed));
   for (PetscInt k = 0; k < count; k++) *value += 0.5 * disc->u[k] * force[k];
+  PetscCall(MpmTermsEnergy(disc->terms, disc->sum, disc->u, value, &failed));
   PetscCall(PetscFree2(force, zero));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -98,7 +100,7 @@ PetscErrorCode MpmPotentialEvaluate(MpmDiscretization *disc, PetscReal *value, P
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, failed, 1, MPIU_INT, MPI_SUM, disc->comm));
   if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
   part[0] = disc->sum->part * (disc->dim == 2 ? Stored(2, disc) : Stored(3, disc));
-  PetscCall(AddLinear(disc, &part[1]));
+  PetscCall(AddTerms(disc, &part[1]));
   for (PetscInt k = 0; k < MpmNodesLocal(disc) * disc->block; k++) part[2] -= disc->force[k] * disc->u[k];
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, part, 3, MPIU_REAL, MPIU_SUM, disc->comm));
   *value = part[0] + part[1] + part[2];

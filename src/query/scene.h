@@ -149,6 +149,7 @@ typedef struct {
   MpmLoads        *loads;
   MpmBodySurfaces *surfaces; /* of bodies */
   MpmWaterTable   *water;
+  MpmAddedTerms   *terms; /* of types from outside the tree */
   MpmFollow        follow;
   MpmBodyForce     body_force;
   void            *body_force_ctx;

@@ -7,6 +7,7 @@
 #include "grid/shape.h"
 #include "particles/body.h"
 #include "bc/bc.h"
+#include "volume/added_term.h"
 #include "volume/inertia.h"
 #include "rigid/rigid.h"
 #include "pairs/body_contact.h"
@@ -252,6 +253,8 @@ static PetscErrorCode CheckExplicit(const MpmModel model, const MpmStage *stage)
     MpmCheckInput(!model->scene.pairs->at[k].barrier,
                   "-mpm_contact_%s_method barrier: needs steps that are not explicit%s; they take penalty",
                   model->scene.pairs->names[k], time->rescue ? ", as those of -mpm_time_rescue relaxation are" : "");
+  MpmCheckInput(!model->scene.terms->count, "-mpm_terms: need steps that are not explicit%s",
+                time->rescue ? ", as those of -mpm_time_rescue relaxation are" : "");
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
     MpmCheckInput(!model->scene.boundaries->at[b].freedom,
                   "-mpm_boundary_%s_free: its place is solved for; explicit steps%s solve for nothing",

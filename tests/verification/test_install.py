@@ -2,21 +2,26 @@
 
 Installs into an empty prefix, and builds tests/installed/ against that alone, once through find_package() and once through
 pkg-config: a program in which two models exchange loads through hooks, with the shared library and with the static one,
-and a plugin with a law and a physics of two fields, whose Jacobian must be the same in all forms.
+and a plugin with a law, a physics of two fields and a term, whose Jacobian must be the same in all forms. The term's springs
+carry a block that moves without strain: its equilibrium and its oscillation are known, step by step.
 
 Quick.
 """
+import math
 import shutil
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import ENVIRONMENT, ROOT, Test, call, must  # noqa: E402
+from talus_test import ENVIRONMENT, ROOT, Run, Test, call, must  # noqa: E402
 
 SOURCES = ROOT / "tests" / "installed"
 FORMS = ("coloring", "dense", "matfree", "matfree_without_tangents")
 PLUGIN_FAULTS = {"nowhere.so": "-mpm_plugin nowhere.so: cannot be loaded",
                  "tied.c": "-mpm_plugin tied.c: cannot be loaded"}
+SPRING_FAULTS = ((("-mpm_term_left_type", "rope"), "-mpm_term_left_type rope: is no type of term; there is foundation"),
+                 (("-mpm_term_left_stiffness", "-1"), "-mpm_term_left_stiffness -1: must lie in"),
+                 (("-mpm_time_integrator", "explicit"), "-mpm_terms: need steps that are not explicit"))
 
 
 def install(test, build, prefix):
@@ -56,11 +61,38 @@ def tied(test, name, command, folder):
 def jacobians(test, name, command, folder):
     """All forms agree, and with finite differences, for law and physics of the plugin in 2D and 3D."""
     lines = [line.split() for line in must(test, name, command, folder).splitlines()]
-    test.check(f"{name}_cases", len(lines), 30, 30)
+    test.check(f"{name}_cases", len(lines), 50, 50)
     for case, _, *distances, differences in lines:
         for form, distance in zip(FORMS, distances):
             test.check(f"{name}_{case}_{form}", float(distance), upper=1e-14)
         test.check(f"{name}_{case}_differences", float(differences), upper=1e-7)
+
+
+def springs(test, talus, copy, plugin):
+    """A block on springs k + h d^2 under its weight f: k d + h d^3 = f at rest; with inertia, Newmark's own angle a step."""
+    def run(ranks, **options):
+        run = Run(talus, copy / "springs.yaml", ranks, {"mpm_plugin": plugin, **options}, test.folder())
+        test.check("springs_status", run.status, 0, 0)
+        return run.results
+
+    k, h, f, density = 1e5, 2e6, 2e4, 2e3
+    for ranks in (1, 3):
+        rest = run(ranks, mpm_term_left_stiffening=h, mpm_term_right_stiffening=h)
+        d = -rest.column("track_t_uy")[-1]
+        test.near(f"springs_{ranks}_ranks_at_rest", k * d + h * d ** 3, f, relative=1e-10)
+        test.check(f"springs_{ranks}_ranks_aside", abs(rest.column("track_t_ux")[-1]), upper=1e-12)
+    dt = 0.01
+    moving = run(1, mpm_time_integrator="newmark", mpm_time_step=dt, mpm_time_end=1.2)
+    square = k / density * dt * dt / 4
+    angle = math.acos((1 - square) / (1 + square))
+    error = max(abs(u + f / k * (1 - math.cos(angle * (n + 1)))) for n, u in enumerate(moving.column("track_t_uy")))
+    test.check("springs_oscillation", error, upper=1e-10)
+    balance = max(abs(moving.column("energy_balance"))) / max(moving.column("energy_kinetic"))
+    test.check("springs_energy_balance", balance, upper=1e-10)
+    for options, message in SPRING_FAULTS:
+        process = call([talus, "-options_file", copy / "springs.yaml", "-mpm_plugin", plugin, *options], test.folder())
+        test.check(f"{options[0]}_status", process.returncode, 2, 2)
+        test.check(f"{options[0]}_message", int(message in process.stderr and process.stderr.count("\n") == 1), 1, 1)
 
 
 def main():
@@ -80,12 +112,14 @@ def main():
         jacobians(test, "jacobians", [folder / "jacobians", "toys.so", "-malloc_dump"], folder)
         jacobians(test, "jacobians_ranks", ["mpiexec", "--oversubscribe", "-n", "2", folder / "jacobians", "toys.so"],
                   folder)
+        springs(test, prefix / "bin" / "talus", copy, folder / "toys.so")
         for file, message in PLUGIN_FAULTS.items():
             process = call([prefix / "bin" / "talus", "-mpm_plugin", file, "-mpm_dim", "2"], copy)
             test.check(f"{file}_status", process.returncode, 2, 2)
             test.check(f"{file}_message", int(message in process.stderr and process.stderr.count("\n") == 1), 1, 1)
         manual = must(test, "manual", [prefix / "bin" / "talus", "-mpm_plugin", folder / "toys.so", "-help"], folder)
         test.check("manual_lists_the_law", int("Material of type fung" in manual), 1, 1)
+        test.check("manual_lists_the_term", int("Term of type foundation" in manual), 1, 1)
 
 
 if __name__ == "__main__":
