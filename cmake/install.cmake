@@ -44,3 +44,31 @@ set(CMAKE_INSTALL_FULL_INCLUDEDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INC
 set(CMAKE_INSTALL_FULL_LIBDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}\")
 configure_file(\${talus_source}/cmake/talus.pc.in
   \"\$ENV{DESTDIR}\${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig/talus.pc\" @ONLY)")
+
+# The manual in other forms, made from the program's own: schema of scenes, man page, completions.
+find_package(Python3 COMPONENTS Interpreter QUIET)
+if(Python3_Interpreter_FOUND)
+  set(manual ${PROJECT_BINARY_DIR}/manual)
+  file(MAKE_DIRECTORY ${manual})
+  set(forms schema=talus.schema.json man=talus.1 bash=talus zsh=_talus)
+  set(pages "")
+  foreach(form ${forms})
+    string(REGEX MATCH "^(.*)=(.*)$" unused ${form})
+    set(kind ${CMAKE_MATCH_1})
+    set(page ${manual}/${CMAKE_MATCH_2})
+    add_custom_command(OUTPUT ${page}
+      COMMAND ${CMAKE_COMMAND} -E env ASAN_OPTIONS=detect_leaks=0
+              ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/manual.py $<TARGET_FILE:talus> ${kind} > ${page}
+      DEPENDS talus ${PROJECT_SOURCE_DIR}/scripts/manual.py VERBATIM)
+    list(APPEND pages ${page})
+  endforeach()
+  add_custom_target(manual ALL DEPENDS ${pages})
+  install(FILES ${manual}/talus.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  install(FILES ${manual}/talus DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+  install(FILES ${manual}/_talus DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+  install(FILES ${manual}/talus.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/talus)
+endif()
+install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(PROGRAMS scripts/plot.py scripts/plot_lines.py scripts/plot_laboratory.py scripts/results.py scripts/xdmf.py
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/talus/scripts)

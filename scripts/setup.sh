@@ -7,7 +7,7 @@ packages=(
   gcc libc6-dev make cmake pkg-config check
   petsc-dev libhypre-dev libmumps-dev libmetis-dev liblapack-dev libhdf5-openmpi-dev libyaml-dev libopenmpi-dev openmpi-bin libopenblas0-serial
   libembree-dev
-  python3 python3-numpy python3-h5py python3-yaml python3-matplotlib
+  python3 python3-numpy python3-h5py python3-yaml python3-matplotlib python3-jsonschema mandoc
 )
 
 if ! command -v apt-get >/dev/null; then

@@ -302,6 +302,8 @@ static PetscErrorCode ReadKinematics(MpmModel model, const MpmOptions *options, 
 /* Dimension and physics, or the word for a stress point. Free the word. */
 static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options, PetscInt *dim, char **kind)
 {
+  char *words = NULL, *help = NULL;
+
   PetscFunctionBeginUser;
   *dim = 2;
   PetscCall(MpmOptionsHeading(options, "Scene"));
@@ -309,10 +311,11 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options, PetscI
   PetscCall(MpmPluginsLoad(options));
   PetscCall(MpmOptionsInt(options, "dim", "dimension: 2 (plane strain) or 3", 2, 3, MPM_REQUIRED, dim, NULL));
   PetscCall(ReadKinematics(model, options, *dim));
-  PetscCall(MpmOptionsText(options, "physics",
-                           "what is solved: solid, " MPM_STRESS_POINT
-                           " (one point in the laboratory), or what a plugin brings",
-                           "solid", MPM_OPTIONAL, kind));
+  PetscCall(MpmPhysicsList(&words));
+  PetscCall(MpmTextAppend(&help, "unknown fields: %s, " MPM_STRESS_POINT " (one point in the laboratory)", words));
+  PetscCall(MpmOptionsText(options, "physics", help, "solid", MPM_OPTIONAL, kind));
+  PetscCall(PetscFree(help));
+  PetscCall(PetscFree(words));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,9 +1,9 @@
 /*
   The typed readers of options.h.
 
-  A reader describes its option in an ItemSpec; ItemRead() derives from it the line of -help, the entry in the record
-  and the complaint about a missing option, so that the three cannot disagree. Then the reader parses all of the given
-  text and checks it.
+  A reader describes its option in an MpmOptionSpec; ItemRead() derives from it the line of -help, the entry in the
+  record and the complaint about a missing option, so that the three cannot disagree. Then the reader parses all of the
+  given text and checks it.
 
   With -help a required option that is missing is no error: the run only prints its manual and ends. The reader then
   leaves the value as it was on entry (lists, texts and names: empty), so callers initialise all values, required or
@@ -19,18 +19,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-
-/* Description of an option. */
-typedef struct {
-  const char *name; /* without the block's prefix */
-  const char *help;
-  const char *unit;     /* NULL where a unit makes no sense */
-  const char *accepts;  /* "> 0", "in (-1, 0.5)", "one of a, b"; empty for anything */
-  const char *fallback; /* the default as text; NULL for none */
-  MpmNeed     need;
-  PetscBool   lasting;  /* the default lies in the accepted range */
-  PetscBool   presence; /* the caller needs to know whether the option is there */
-} ItemSpec;
 
 /* Text given by the user. */
 typedef struct {
@@ -52,26 +40,8 @@ static PetscErrorCode FullName(const MpmOptions *options, const char name[], cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* "Young's modulus (Pa; > 0; required)" */
-static PetscErrorCode ItemPrintHelp(MPI_Comm comm, const Item *item, const ItemSpec *spec)
-{
-  char *text = NULL;
-
-  PetscFunctionBegin;
-  PetscCall(MpmTextAppend(&text, "%s (", spec->help));
-  if (spec->unit && strcmp(spec->unit, "-")) PetscCall(MpmTextAppend(&text, "%s; ", spec->unit));
-  if (*spec->accepts) PetscCall(MpmTextAppend(&text, "%s; ", spec->accepts));
-  if (spec->need == MPM_REQUIRED) PetscCall(MpmTextAppend(&text, "required)"));
-  else if (spec->presence || !spec->lasting) PetscCall(MpmTextAppend(&text, "optional)"));
-  else if (spec->fallback && *spec->fallback) PetscCall(MpmTextAppend(&text, "default %s)", spec->fallback));
-  else PetscCall(MpmTextAppend(&text, "default none)"));
-  PetscCall(MpmHelpEntry(comm, item->name, text));
-  PetscCall(PetscFree(text));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* "Young's modulus (Pa), > 0" */
-static PetscErrorCode ItemMeaning(const ItemSpec *spec, char **text)
+static PetscErrorCode ItemMeaning(const MpmOptionSpec *spec, char **text)
 {
   PetscFunctionBegin;
   *text = NULL;
@@ -81,7 +51,7 @@ static PetscErrorCode ItemMeaning(const ItemSpec *spec, char **text)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ItemRecord(MpmRecord record, const Item *item, const ItemSpec *spec, PetscBool *first)
+static PetscErrorCode ItemRecord(MpmRecord record, const Item *item, const MpmOptionSpec *spec, PetscBool *first)
 {
   MpmRecordEntry *entry;
   const char     *value = item->given ? (item->raw ? item->raw : "") : (spec->lasting ? spec->fallback : NULL);
@@ -100,7 +70,7 @@ static PetscErrorCode ItemRecord(MpmRecord record, const Item *item, const ItemS
 }
 
 /* Looks an option up; ItemDestroy() when done. */
-static PetscErrorCode ItemRead(const MpmOptions *options, const ItemSpec *spec, Item *item)
+static PetscErrorCode ItemRead(const MpmOptions *options, const MpmOptionSpec *spec, Item *item)
 {
   PetscBool help, first;
   char     *meaning = NULL;
@@ -110,7 +80,7 @@ static PetscErrorCode ItemRead(const MpmOptions *options, const ItemSpec *spec, 
   PetscCall(MpmDatabaseFind(item->name, &item->raw, &item->given));
   PetscCall(ItemRecord(options->record, item, spec, &first));
   PetscCall(PetscOptionsHasHelp(NULL, &help));
-  if (help && first) PetscCall(ItemPrintHelp(options->comm, item, spec));
+  if (help && first) PetscCall(MpmHelpOption(options->comm, item->name, spec));
   if (!item->given && spec->need == MPM_REQUIRED && !help) {
     PetscCall(ItemMeaning(spec, &meaning));
     MpmCheckInput(PETSC_FALSE, "-%s is missing: %s", item->name, meaning);
@@ -127,7 +97,7 @@ static PetscErrorCode ItemDestroy(Item *item, PetscBool *set)
 }
 
 /* Ends the run: "-name value: must ..." */
-static PetscErrorCode ItemRefuse(const Item *item, const ItemSpec *spec, const char verb[])
+static PetscErrorCode ItemRefuse(const Item *item, const MpmOptionSpec *spec, const char verb[])
 {
   char *value = NULL, *meaning;
 
@@ -142,7 +112,7 @@ static PetscErrorCode ItemRefuse(const Item *item, const ItemSpec *spec, const c
 }
 
 /* Ends the run, with the option's meaning: "-name value: must ...: Young's modulus (Pa), > 0". */
-static PetscErrorCode ItemRefuseForm(const Item *item, const ItemSpec *spec, const char verb[])
+static PetscErrorCode ItemRefuseForm(const Item *item, const MpmOptionSpec *spec, const char verb[])
 {
   char *text = NULL, *meaning;
 
@@ -197,7 +167,7 @@ void MpmMustText(const char range[], const char unit[], char text[MPM_MUST_TEXT]
 }
 
 /* "must lie in (-1, 0.5)", "each must be > 0 Pa" */
-static PetscErrorCode ItemRefuseRange(const Item *item, const ItemSpec *spec, PetscInt count, const char range[])
+static PetscErrorCode ItemRefuseRange(const Item *item, const MpmOptionSpec *spec, PetscInt count, const char range[])
 {
   char must[MPM_MUST_TEXT], text[MPM_MUST_TEXT + 8];
 
@@ -217,7 +187,7 @@ static void ListText(PetscInt count, const char range[], char text[2 * MPM_RANGE
   else snprintf(text, 2 * MPM_RANGE_TEXT, "%lld values", (long long)count);
 }
 
-static PetscErrorCode CheckCount(const Item *item, const ItemSpec *spec, PetscInt wanted, PetscInt count)
+static PetscErrorCode CheckCount(const Item *item, const MpmOptionSpec *spec, PetscInt wanted, PetscInt count)
 {
   char text[MPM_RANGE_TEXT];
 
@@ -247,7 +217,7 @@ PetscErrorCode MpmOptionsHeading(const MpmOptions *options, const char *title)
   PetscCall(MpmRecordAddBlock(options->record, options->prefix));
   PetscCall(PetscOptionsHasHelp(NULL, &help));
   if (help && !strcmp(title, "bcs")) title = "conditions";
-  if (help) PetscCall((*PetscHelpPrintf)(options->comm, "\n%c%s\n", toupper((unsigned char)title[0]), title + 1));
+  if (help) PetscCall(MpmHelpHeading(options->comm, title));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -284,8 +254,9 @@ PetscErrorCode MpmOptionsReadReals(const MpmOptions *options, const MpmNumberOpt
     PetscCall(MpmTextAppend(&fallback, "%s%s", i ? "," : "", number));
     if (!MpmRangeHolds(option->range, values[i])) lasting = PETSC_FALSE;
   }
-  const ItemSpec spec = {option->name, option->help, option->unit, accepts,
-                         fallback,     option->need, lasting,      set ? PETSC_TRUE : PETSC_FALSE};
+  const MpmOptionSpec spec = {option->name,      option->help, option->unit, accepts,
+                              fallback,          option->need, lasting,      set ? PETSC_TRUE : PETSC_FALSE,
+                              MPM_OPTION_NUMBER, count,        option->range};
   PetscCall(ItemRead(options, &spec, &item));
   if (item.given) {
     PetscCall(MpmTextSplit(item.raw ? item.raw : "", &part_count, &parts));
@@ -323,8 +294,11 @@ PetscErrorCode MpmOptionsReadInts(const MpmOptions *options, const MpmNumberOpti
     PetscCall(MpmTextAppend(&fallback, "%s%lld", i ? "," : "", (long long)values[i]));
     if (values[i] < lower || values[i] > upper) lasting = PETSC_FALSE;
   }
-  const ItemSpec spec = {option->name, option->help, "-",     accepts,
-                         fallback,     option->need, lasting, set ? PETSC_TRUE : PETSC_FALSE};
+  const MpmRange bounds = {lower > PETSC_INT_MIN ? (PetscReal)lower : PETSC_NINFINITY,
+                           upper < PETSC_INT_MAX ? (PetscReal)upper : PETSC_INFINITY, PETSC_FALSE};
+  const MpmOptionSpec spec = {option->name,       option->help, "-",     accepts,
+                              fallback,           option->need, lasting, set ? PETSC_TRUE : PETSC_FALSE,
+                              MPM_OPTION_INTEGER, count,        bounds};
   PetscCall(ItemRead(options, &spec, &item));
   if (item.given) {
     PetscCall(MpmTextSplit(item.raw ? item.raw : "", &part_count, &parts));
@@ -349,9 +323,10 @@ PetscErrorCode MpmOptionsReadInts(const MpmOptions *options, const MpmNumberOpti
 PetscErrorCode MpmOptionsRealList(const MpmOptions *options, const char *name, const char *unit, const char *help,
                                   MpmNeed need, PetscInt *count, PetscReal **values)
 {
-  const ItemSpec spec = {name, help, unit, "", NULL, need, PETSC_FALSE, PETSC_TRUE};
-  char         **parts;
-  Item           item;
+  const MpmOptionSpec spec = {name, help,         unit, "", NULL, need, PETSC_FALSE, PETSC_TRUE, MPM_OPTION_NUMBER,
+                              0,    MPM_RANGE_ANY};
+  char              **parts;
+  Item                item;
 
   PetscFunctionBegin;
   *count  = 0;
@@ -393,8 +368,17 @@ PetscErrorCode MpmOptionsWord(const MpmOptions *options, const char *name, const
 
   PetscFunctionBegin;
   for (PetscInt i = 0; choices[i]; i++) PetscCall(MpmTextAppend(&accepts, "%s%s", i ? ", " : "one of ", choices[i]));
-  const ItemSpec spec = {
-    name, help, NULL, accepts, *value < 0 ? NULL : choices[*value], need, PETSC_TRUE, set ? PETSC_TRUE : PETSC_FALSE};
+  const MpmOptionSpec spec = {name,
+                              help,
+                              NULL,
+                              accepts,
+                              *value < 0 ? NULL : choices[*value],
+                              need,
+                              PETSC_TRUE,
+                              set ? PETSC_TRUE : PETSC_FALSE,
+                              MPM_OPTION_WORD,
+                              1,
+                              MPM_RANGE_ANY};
   PetscCall(ItemRead(options, &spec, &item));
   if (item.given) {
     PetscCall(FindWord(choices, item.raw ? item.raw : "", &index));
@@ -414,14 +398,17 @@ PetscErrorCode MpmOptionsBool(const MpmOptions *options, const char *name, const
 {
   /* PETSc's own words, false and true in turn */
   static const char *const words[] = {"false", "true", "no", "yes", "0", "1", "off", "on", NULL};
-  const ItemSpec           spec    = {name,
+  const MpmOptionSpec      spec    = {name,
                                       help,
                                       NULL,
                                       "true or false",
-                         *value ? "true" : "false",
+                              *value ? "true" : "false",
                                       MPM_OPTIONAL,
                                       PETSC_TRUE,
-                         set ? PETSC_TRUE : PETSC_FALSE};
+                              set ? PETSC_TRUE : PETSC_FALSE,
+                                      MPM_OPTION_BOOLEAN,
+                                      1,
+                                      MPM_RANGE_ANY};
   PetscInt                 index;
   Item                     item;
 
@@ -436,19 +423,30 @@ PetscErrorCode MpmOptionsBool(const MpmOptions *options, const char *name, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const char *help, const char *fallback,
-                              MpmNeed need, char **value)
+/* Free text, or the name of a file. */
+static PetscErrorCode ReadText(const MpmOptions *options, const MpmOptionSpec *spec, char **value)
 {
-  const ItemSpec spec = {name, help, NULL, "text", fallback, need, PETSC_TRUE, PETSC_FALSE};
-  Item           item;
+  const char *fallback = spec->fallback;
+  Item        item;
 
   PetscFunctionBegin;
   *value = NULL;
-  PetscCall(ItemRead(options, &spec, &item));
-  if (item.given && !item.raw && need == MPM_REQUIRED) PetscCall(ItemRefuse(&item, &spec, "a value must follow"));
+  PetscCall(ItemRead(options, spec, &item));
+  if (item.given && !item.raw && spec->need == MPM_REQUIRED) PetscCall(ItemRefuse(&item, spec, "a value must follow"));
   if (item.given) PetscCall(PetscStrallocpy(item.raw ? item.raw : "", value));
   else if (fallback) PetscCall(PetscStrallocpy(fallback, value));
   PetscCall(ItemDestroy(&item, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOptionsText(const MpmOptions *options, const char *name, const char *help, const char *fallback,
+                              MpmNeed need, char **value)
+{
+  const MpmOptionSpec spec = {
+    name, help, NULL, "text", fallback, need, PETSC_TRUE, PETSC_FALSE, MPM_OPTION_TEXT, 1, MPM_RANGE_ANY};
+
+  PetscFunctionBegin;
+  PetscCall(ReadText(options, &spec, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -489,11 +487,13 @@ PetscErrorCode MpmOptionsResolve(const MpmOptions *options, const char *name, ch
 
 PetscErrorCode MpmOptionsPath(const MpmOptions *options, const char *name, const char *help, MpmNeed need, char **value)
 {
-  MpmRecordEntry *entry;
-  char           *full;
+  const MpmOptionSpec spec = {name, help,         NULL, "text", NULL, need, PETSC_TRUE, PETSC_FALSE, MPM_OPTION_FILE,
+                              1,    MPM_RANGE_ANY};
+  MpmRecordEntry     *entry;
+  char               *full;
 
   PetscFunctionBegin;
-  PetscCall(MpmOptionsText(options, name, help, NULL, need, value));
+  PetscCall(ReadText(options, &spec, value));
   if (!*value || !options->record || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsResolve(options, name, value));
   PetscCall(FullName(options, name, &full));
@@ -505,7 +505,7 @@ PetscErrorCode MpmOptionsPath(const MpmOptions *options, const char *name, const
 }
 
 /* Options are looked up case aside, so names that differ in case only would share their block. */
-static PetscErrorCode CheckName(const Item *item, const ItemSpec *spec, PetscInt index, char *const names[])
+static PetscErrorCode CheckName(const Item *item, const MpmOptionSpec *spec, PetscInt index, char *const names[])
 {
   const char *name = names[index];
 
@@ -524,12 +524,12 @@ static PetscErrorCode CheckName(const Item *item, const ItemSpec *spec, PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* `accepted`: kind of names, for -help. */
-static PetscErrorCode ReadNames(const MpmOptions *options, const char *name, const char *help, const char *accepted,
+static PetscErrorCode ReadNames(const MpmOptions *options, const char *name, const char *help, MpmOptionType type,
                                 MpmNeed need, PetscInt *count, char ***names)
 {
-  const ItemSpec spec = {name, help, NULL, accepted, NULL, need, PETSC_FALSE, PETSC_FALSE};
-  Item           item;
+  const char *accepted     = type == MPM_OPTION_BLOCKS ? "names of blocks, comma-separated" : "names, comma-separated";
+  const MpmOptionSpec spec = {name, help, NULL, accepted, NULL, need, PETSC_FALSE, PETSC_FALSE, type, 0, MPM_RANGE_ANY};
+  Item                item;
 
   PetscFunctionBegin;
   *count = 0;
@@ -549,7 +549,7 @@ PetscErrorCode MpmOptionsNames(const MpmOptions *options, const char *name, cons
                                PetscInt *count, char ***names)
 {
   PetscFunctionBegin;
-  PetscCall(ReadNames(options, name, help, "names, comma-separated", need, count, names));
+  PetscCall(ReadNames(options, name, help, MPM_OPTION_NAMES, need, count, names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -558,7 +558,7 @@ PetscErrorCode MpmOptionsBlocks(const MpmOptions *options, const char *list, con
 {
   PetscFunctionBegin;
   PetscCall(MpmOptionsHeading(options, list));
-  PetscCall(ReadNames(options, list, help, "names of blocks, comma-separated", need, count, names));
+  PetscCall(ReadNames(options, list, help, MPM_OPTION_BLOCKS, need, count, names));
   if (options->record) {
     MpmRecordEntry *entry;
     char           *full;

@@ -9,6 +9,7 @@
 */
 #include "options/options.h"
 #include "point/material.h"
+#include "point/parameter.h"
 #include "particles/body_initial.h"
 
 /* The values of one state variable by height; without heights one for all, with count 0 none. */
@@ -47,16 +48,13 @@ static const char *ParsePairs(PetscInt count, char **pair, Profile *profile)
 
 static PetscErrorCode ReadProfile(const MpmOptions *block, const MpmStateVariable *variable, Profile *profile)
 {
-  char        name[128], help[256], *text, *quoted, **pair;
+  char        name[128], *text, *quoted, **pair;
   const char *wrong;
   PetscInt    count;
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(name, sizeof(name), "initial_%s", variable->name));
-  PetscCall(PetscSNPrintf(help, sizeof(help),
-                          "%s (%s) to start with: a number, or height:value pairs (m) up gravity's axis",
-                          variable->name, variable->unit));
-  PetscCall(MpmOptionsText(block, name, help, NULL, MPM_OPTIONAL, &text));
+  PetscCall(MpmStateReadInitial(block, variable, &text));
   if (!text || MpmOptionsHelp()) PetscFunctionReturn(PetscFree(text));
   PetscCall(MpmTextSplit(text, &count, &pair));
   PetscCall(PetscMalloc2((count + 1), &profile->height, (count + 1), &profile->value));

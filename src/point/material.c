@@ -88,6 +88,7 @@ static PetscErrorCode LawNames(const char ***names)
 static PetscErrorCode PrintLaws(const MpmOptions *block)
 {
   const MpmOptions unrecorded = {block->comm, block->prefix, NULL}; /* laws share parameters: each is printed again */
+  const MpmOptions body       = {block->comm, "mpm_body_NAME_", NULL};
   const MpmLawInstance *law;
   PetscInt              k = 0;
   char                  title[256];
@@ -105,6 +106,12 @@ static PetscErrorCode PrintLaws(const MpmOptions *block)
     for (size_t i = 0; i < info.parameter_count; i++) {
       PetscCall(MpmParameterRead(&unrecorded, &info.parameters[i], &unused, &table));
       PetscCall(PetscFree(table.value));
+    }
+    for (size_t v = 0; v < info.state_count; v++) {
+      char *text = NULL;
+
+      if (info.states[v].kind == MPM_STATE_SCALAR) PetscCall(MpmStateReadInitial(&body, &info.states[v], &text));
+      PetscCall(PetscFree(text));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -458,7 +465,7 @@ static PetscErrorCode ReadAxes(const MpmOptions *block, PetscInt dim, const MpmP
 PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, PetscInt dim,
                                       MpmMaterial *material)
 {
-  char           prefix[256];
+  char           prefix[256], title[128];
   MpmOptions     block = {options->comm, prefix, options->record};
   MpmLawTable    unused;
   const PetscInt size  = MPM_MAX_DIM * physics->parameter_count + physics->common_count;
@@ -467,6 +474,8 @@ PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysic
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_material_%s_", material->name));
   PetscCall(PetscCalloc1(size, &material->physics_parameter));
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Material with physics %s", physics->name));
+  if (physics->parameter_count) PetscCall(MpmOptionsHeading(&block, title));
   for (int k = 0; k < physics->parameter_count; k++) {
     const MpmParameter *parameter = &physics->parameters[k];
     MpmVariation        variation = {0};
@@ -484,6 +493,7 @@ PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysic
   }
   for (int k = 0; k < physics->common_count; k++) {
     PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_%s_", physics->common[k].block));
+    PetscCall(MpmOptionsHeading(&block, physics->common[k].block));
     PetscCall(MpmParameterRead(&block, &physics->common[k].parameter, &material->physics_parameter[place++], &unused));
   }
   if (!material->varies) PetscFunctionReturn(PETSC_SUCCESS);

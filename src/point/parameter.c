@@ -228,3 +228,16 @@ PetscErrorCode MpmTablesDestroy(size_t count, MpmLawTable **table)
   PetscCall(PetscFree(*table));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscErrorCode MpmStateReadInitial(const MpmOptions *block, const MpmStateVariable *variable, char **text)
+{
+  char name[128], help[256];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(name, sizeof(name), "initial_%s", variable->name));
+  PetscCall(PetscSNPrintf(help, sizeof(help),
+                          "%s (%s) to start with: a number, or height:value pairs (m) up gravity's axis",
+                          variable->name, variable->unit));
+  PetscCall(MpmOptionsText(block, name, help, NULL, MPM_OPTIONAL, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -13,3 +13,5 @@
 PetscErrorCode MpmParameterRead(const MpmOptions *block, const MpmParameter *parameter, double *value,
                                 MpmLawTable *table);
 PetscErrorCode MpmTablesDestroy(size_t count, MpmLawTable **table);
+/* Text of a body's option initial_STATE, NULL where it is absent; free with PetscFree(). */
+PetscErrorCode MpmStateReadInitial(const MpmOptions *block, const MpmStateVariable *variable, char **text);

@@ -8,6 +8,8 @@
 #include "options/options.h"
 #include "options/scene_file.h"
 #include "observe/signals.h"
+#include "run/command_line.h"
+#include "run/pages.h"
 #include "model/manual.h"
 #include "model/program.h"
 #include "talus/talus.h"
@@ -73,7 +75,8 @@ static void MakeLine(char message[])
 static int IsWithheld(const char word[])
 {
   static const char *const starts[] = {"-mpm_", "-options_file", "-options_string", "-prefix_"};
-  static const char *const names[]  = {"-help", "-h", "-version", "-v"};
+  static const char *const names[]  = {"-help",  "-h",        "-version",   "-v",
+                                       "--help", "--version", "-help=json", "--help=json"};
 
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(starts); i++)
     if (!strncmp(word, starts[i], strlen(starts[i]))) return 1;
@@ -92,7 +95,7 @@ static PetscErrorCode Initialize(int argc, char **argv, char ***words)
   char **kept = (char **)calloc((size_t)argc + 1, sizeof(char *));
 
   for (int i = 0; i < argc; i++) {
-    if (argv[i][0] == '-' && isalpha((unsigned char)argv[i][1])) withheld = IsWithheld(argv[i]);
+    if (argv[i][0] == '-' && (isalpha((unsigned char)argv[i][1]) || argv[i][1] == '-')) withheld = IsWithheld(argv[i]);
     if (!withheld) kept[count++] = argv[i];
   }
   *words = kept;
@@ -116,9 +119,25 @@ static PetscErrorCode ReadFile(const char option[], const char path[], PetscBool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the files, in their order, and then the remaining command line, which overrides them. */
-static PetscErrorCode ReadOptions(int argc, char **argv, MpmSources sources, ErrorContext *context)
+/* Refuses a file that is named as the scene and has nothing of one. */
+static PetscErrorCode CheckScene(const char path[])
 {
+  char     *all;
+  PetscBool scene;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsGetAll(NULL, &all));
+  scene = (PetscBool)(strstr(all, "-mpm_") != NULL);
+  PetscCall(PetscFree(all));
+  MpmCheckInput(scene, "%s has no block mpm: a scene's options stand below `mpm:`", path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the files, in their order, and then the remaining command line, which overrides them. */
+static PetscErrorCode ReadOptions(const MpmCommandLine *line, MpmSources sources, ErrorContext *context)
+{
+  const int    argc  = line->count;
+  char **const argv  = line->words;
   int          count = 1, again;
   char       **rest;
   PetscBool    log;
@@ -137,6 +156,7 @@ static PetscErrorCode ReadOptions(int argc, char **argv, MpmSources sources, Err
     }
     MpmCheckInput(i + 1 < argc, "%s is the last word of the command line: a file must follow", argv[i]);
     PetscCall(ReadFile(argv[i], argv[i + 1], yaml, sources, context));
+    if (i == 1 && line->scenes) PetscCall(CheckScene(argv[2]));
     i++;
   }
   context->source = "command line";
@@ -155,26 +175,21 @@ static PetscErrorCode ReadOptions(int argc, char **argv, MpmSources sources, Err
 }
 
 /* Options for information instead of a run; PETSC_FALSE where there are none. */
-static PetscErrorCode AnswerQuestions(int argc, int *status, PetscBool *answered)
+static PetscErrorCode AnswerQuestions(const MpmCommandLine *line, int *status, PetscBool *answered)
 {
-  char      version[256], *all;
+  char     *all;
   PetscBool set;
 
   PetscFunctionBeginUser;
   *answered = PETSC_TRUE;
+  if (line->task != MPM_TASK_RUN) PetscFunctionReturn(MpmPagePrint(PETSC_COMM_WORLD, line));
   PetscCall(PetscOptionsHasName(NULL, NULL, "-help_petsc", &set));
   if (set) {
     PetscCall(MpmHelpPetsc(PETSC_COMM_WORLD));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-version", &set));
-  if (set) {
-    PetscCall(PetscGetVersion(version, sizeof(version)));
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "talus %s\n%s\n", MPM_VERSION, version));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
   PetscCall(PetscOptionsGetAll(NULL, &all));
-  *answered = (PetscBool)(argc == 1 && !all[0]);
+  *answered = (PetscBool)(line->count == 1 && !all[0]);
   PetscCall(PetscFree(all));
   if (*answered) {
     PetscCall(MpmHelpUsage(PETSC_COMM_WORLD, stderr));
@@ -183,7 +198,7 @@ static PetscErrorCode AnswerQuestions(int argc, int *status, PetscBool *answered
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Run(int argc, char **argv, ErrorContext *context, int *status)
+static PetscErrorCode Run(MpmCommandLine *line, ErrorContext *context, int *status)
 {
   MpmModel   model;
   MpmSources sources;
@@ -191,8 +206,9 @@ static PetscErrorCode Run(int argc, char **argv, ErrorContext *context, int *sta
 
   PetscFunctionBeginUser;
   PetscCall(MpmSourcesCreate(&sources));
-  PetscCall(ReadOptions(argc, argv, sources, context));
-  PetscCall(AnswerQuestions(argc, status, &answered));
+  PetscCall(MpmStandardInputKeep(PETSC_COMM_WORLD, line));
+  PetscCall(ReadOptions(line, sources, context));
+  PetscCall(AnswerQuestions(line, status, &answered));
   if (answered) PetscFunctionReturn(MpmSourcesDestroy(&sources));
   help = MpmOptionsHelp();
   if (help) PetscCall(MpmHelpBegin(PETSC_COMM_WORLD));
@@ -234,14 +250,16 @@ static void EndAtOnce(int status)
 int main(int argc, char **argv)
 {
   ErrorContext   context = {NULL, 0, ""};
-  int            status  = 0;
-  char         **words   = NULL;
+  MpmCommandLine line;
+  int            status = 0;
+  char         **words  = NULL;
   PetscErrorCode error;
 
-  if (Initialize(argc, argv, &words)) return 1;
+  if (MpmCommandLineRead(argc, argv, &line) || Initialize(line.count, line.words, &words)) return 1;
   (void)signal(SIGPIPE, SIG_DFL); /* who reads the output through `head` has seen enough: no traceback */
   PetscCall(PetscPushErrorHandler(HandleError, &context));
-  error = Run(argc, argv, &context, &status);
+  error = Run(&line, &context, &status);
+  MpmStandardInputRemove(&line);
   if (error && context.status) {
     MakeLine(context.message);
     (void)PetscFPrintf(PETSC_COMM_WORLD, stderr, "talus: error: %s\n", context.message);
@@ -254,5 +272,6 @@ int main(int argc, char **argv)
   PetscCall(PetscPopErrorHandler());
   PetscCall(PetscFinalize());
   free(words);
+  MpmCommandLineFree(&line);
   return status;
 }

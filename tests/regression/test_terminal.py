@@ -36,7 +36,7 @@ def check_usage(test):
     place = test.folder()
     nothing = call([test.program], place)
     test.check("usage.status", nothing.returncode, 2, 2)
-    test.check("usage.text", nothing.stderr.startswith("usage: talus -options_file") and not nothing.stdout, 1, 1)
+    test.check("usage.text", nothing.stderr.startswith("usage: talus SCENE.yaml") and not nothing.stdout, 1, 1)
     version = call([test.program, "-version"], place)
     test.check("version", version.returncode == 0 and version.stdout.startswith("talus "), 1, 1)
     (place / "wrong.opts").write_text("-mpm_dim 2\nmpm_shape gimp\n", encoding="utf-8")
