@@ -28,7 +28,9 @@ def install(test, build, prefix):
     """Installs the build tree, and looks that all is there and nothing else is."""
     must(test, "install", ["cmake", "--install", build, "--prefix", prefix], build)
     for file in ("bin/talus", "lib/libtalus.a", "lib/libtalus.so", "include/talus/talus.h", "include/talus/plugin.h",
-                 "include/talus/point/law.h", "lib/cmake/Talus/TalusConfig.cmake", "lib/pkgconfig/talus.pc"):
+                 "include/talus/point/law.h", "lib/cmake/Talus/TalusConfig.cmake", "lib/pkgconfig/talus.pc", "share/man/man1/talus.1",
+                 "share/bash-completion/completions/talus", "share/zsh/site-functions/_talus", "share/talus/talus.schema.json",
+                 "share/doc/talus/README.md"):
         test.check(file, int((prefix / file).exists()), 1, 1)
     public = {path.relative_to(ROOT / "include") for path in (ROOT / "include").rglob("*.h")}
     installed = {path.relative_to(prefix / "include") for path in (prefix / "include").rglob("*") if path.is_file()}
