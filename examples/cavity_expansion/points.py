@@ -14,11 +14,11 @@ STRIPS = 200  # of a square that is cut
 SLIVER = 0.2  # of a square: the least area of a point
 
 
-def clipped(left, bottom, size):
+def clipped(left, bottom, size, rim):
     """Area and centroid of the part of a square between the two circles, by strips along x."""
     x = left + (np.arange(STRIPS) + 0.5) * size / STRIPS
     low = np.clip(np.sqrt(np.maximum(RADIUS**2 - x**2, 0.0)), bottom, bottom + size)
-    high = np.clip(np.sqrt(np.maximum(RIM**2 - x**2, 0.0)), bottom, bottom + size)
+    high = np.clip(np.sqrt(np.maximum(rim**2 - x**2, 0.0)), bottom, bottom + size)
     height = np.maximum(high - low, 0.0)
     area = height.sum() * size / STRIPS
     if area <= 0.0:
@@ -26,30 +26,30 @@ def clipped(left, bottom, size):
     return area, (np.sum(height * x) / height.sum(), np.sum(height * (high + low) / 2.0) / height.sum())
 
 
-def squares(size):
+def squares(size, rim=RIM):
     """Area and centroid of what the ring has of each square, by its place in the lattice."""
-    points, count = {}, round(RIM / size)
+    points, count = {}, round(rim / size)
     for i in range(count):
         for j in range(count):
             left, bottom = i * size, j * size
             near, far = np.hypot(left, bottom), np.hypot(left + size, bottom + size)
-            if far <= RADIUS or near >= RIM:
+            if far <= RADIUS or near >= rim:
                 continue
             area, place = size**2, (left + size / 2.0, bottom + size / 2.0)
-            if near < RADIUS or far > RIM:
-                area, place = clipped(left, bottom, size)
+            if near < RADIUS or far > rim:
+                area, place = clipped(left, bottom, size, rim)
             if area > 0.0:
                 points[i, j] = (area, np.array(place))
     return points
 
 
-def merge(points, size):
+def merge(points, size, rim=RIM):
     """Puts slivers into the next square away from the wall or the rim, along the axis that is nearer to the radius, or both."""
     for i, j in sorted(points, key=lambda square: points[square][0]):
         area, place = points[i, j]
         if area >= SLIVER * size**2:
             return
-        away = 1 if np.hypot(*place) < (RADIUS + RIM) / 2.0 else -1
+        away = 1 if np.hypot(*place) < (RADIUS + rim) / 2.0 else -1
         across = abs(place[0] - place[1]) < 1e-9
         other = (i + away * (across or place[0] > place[1]), j + away * (across or place[0] < place[1]))
         if other not in points:
