@@ -36,7 +36,7 @@ static PetscErrorCode Load(const MpmContacts *contacts, PetscInt b, const char *
     if (contacts->facets.at[f].boundary == b) value[f] = Kept(contacts, f, kept, slot);
   PetscCall(MpmParticlesRestoreField(particles, &kept));
   if (!contacts->facets.drawn[b]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGetField(particles, boundary->gap_field, &gap));
+  PetscCall(MpmParticlesGetField(particles, boundary->fields.gap, &gap));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPatch *patch = &contacts->patch[k];
     PetscReal       sum = 0., area = 0.;
@@ -63,7 +63,7 @@ static PetscErrorCode LoadSlips(MpmContacts *contacts, MpmParticles *particles, 
   PetscCall(PetscMalloc1(contacts->facets.count, &value));
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
     for (PetscInt a = 0; contacts->facets.boundaries[b].tangential && a < dim; a++) {
-      PetscCall(Load(contacts, b, contacts->facets.boundaries[b].slip_field[a], (MpmPieceSlot)(MPM_PIECE_SLIP + a),
+      PetscCall(Load(contacts, b, contacts->facets.boundaries[b].fields.slip[a], (MpmPieceSlot)(MPM_PIECE_SLIP + a),
                      particles, value));
       for (PetscInt k = 0; k < contacts->facets.count; k++)
         if (contacts->facets.at[k].boundary == b) contacts->facets.at[k].slip[a] = value[k];
@@ -94,7 +94,7 @@ static PetscErrorCode LoadGaps(MpmContacts *contacts, MpmParticles *particles)
   PetscCall(PetscMalloc1(contacts->facets.count, &gap));
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
     if (!contacts->facets.drawn[b]) continue;
-    PetscCall(Load(contacts, b, contacts->facets.boundaries[b].gap_field, MPM_PIECE_GAP, particles, gap));
+    PetscCall(Load(contacts, b, contacts->facets.boundaries[b].fields.gap, MPM_PIECE_GAP, particles, gap));
     for (PetscInt k = 0; k < contacts->facets.count; k++) {
       MpmFacet  *facet = &contacts->facets.at[k];
       MpmSurface surface;
@@ -118,7 +118,7 @@ static PetscErrorCode LoadPressures(MpmContacts *contacts, MpmParticles *particl
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
     if (!contacts->facets.boundaries[b].augmented) continue;
     PetscCall(
-      Load(contacts, b, contacts->facets.boundaries[b].pressure_field, MPM_PIECE_PRESSURE, particles, pressure));
+      Load(contacts, b, contacts->facets.boundaries[b].fields.pressure, MPM_PIECE_PRESSURE, particles, pressure));
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       MpmPatch *patch = &contacts->patch[k];
 
@@ -139,8 +139,8 @@ static PetscErrorCode LoadBroken(MpmContacts *contacts, MpmParticles *particles)
 
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
-    if (!contacts->facets.boundaries[b].broken_field) continue;
-    PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].broken_field, &broken));
+    if (!contacts->facets.boundaries[b].fields.broken) continue;
+    PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].fields.broken, &broken));
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       MpmPatch *patch = &contacts->patch[k];
       PetscReal area  = 0.;
@@ -219,7 +219,7 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
     for (PetscInt a = 0; contacts->facets.boundaries[b].tangential && a < sum->space->dim; a++) {
       PetscReal *slip;
 
-      PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].slip_field[a], &slip));
+      PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].fields.slip[a], &slip));
       PetscCall(MpmPointsClear(sum->points->count, slip));
       for (PetscInt k = 0; k < contacts->patch_count; k++)
         for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
@@ -238,7 +238,7 @@ static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *s
 {
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
-    const char *field = contacts->facets.boundaries[b].pressure_field;
+    const char *field = contacts->facets.boundaries[b].fields.pressure;
     PetscReal  *pressure;
 
     if (!contacts->facets.boundaries[b].augmented) continue;
@@ -261,7 +261,7 @@ static PetscErrorCode KeepGaps(const MpmContacts *contacts, const MpmSum *sum, c
 {
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
-    const char *field = contacts->facets.boundaries[b].gap_field;
+    const char *field = contacts->facets.boundaries[b].fields.gap;
     PetscReal  *gap;
 
     if (!contacts->facets.boundaries[b].bilateral) continue;
@@ -285,8 +285,8 @@ static PetscErrorCode Break(const MpmContacts *contacts, const MpmPatchAnswer an
 
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
-    if (!contacts->facets.boundaries[b].broken_field) continue;
-    PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].broken_field, &broken));
+    if (!contacts->facets.boundaries[b].fields.broken) continue;
+    PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].fields.broken, &broken));
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       const MpmPatch *patch = &contacts->patch[k];
       const PetscBool tears =

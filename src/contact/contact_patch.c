@@ -288,7 +288,7 @@ static PetscReal InverseMass(const MpmContacts *contacts, const MpmSum *sum, con
 PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt)
 {
   MpmContacts    *contacts = (MpmContacts *)ctx;
-  const PetscReal share    = sum->space->dim == 2 ? 0.5 : 0.25;
+  const PetscReal share    = PetscPowRealInt(0.5, sum->space->dim - 1);
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < contacts->patch_count; k++) {

@@ -60,7 +60,7 @@ static PetscErrorCode Link(void *ctx, MpmSpace *space)
 /* The unknowns' number of a body at its second node. */
 static PetscInt Components(const MpmRigidBody *body, PetscInt node)
 {
-  return node && body->dim == 2 ? 1 : body->dim;
+  return node ? MpmRotationCount(body->dim) : body->dim;
 }
 
 /* N/m: stiffness of a body's component without any other. */

@@ -82,7 +82,7 @@ PetscInt MpmRigidReport(const MpmContacts *contacts, PetscInt b, PetscReal value
 
   MpmBoundaryReference(boundary, &contacts->facets.after[b], reference);
   for (PetscInt a = 0; a < boundary->dim; a++) values[count++] = reference[a] + placement->shift[a];
-  for (PetscInt a = boundary->dim == 2 ? 2 : 0; a < 3; a++)
+  for (PetscInt a = MpmRotationAxis(boundary->dim, 0); a < 3; a++)
     values[count++] = sine > 0. ? angle * turn[1 + a] / sine : 0.;
   return count;
 }

@@ -259,7 +259,6 @@ static PetscBool Spins(MpmRigidBody *body)
 
   for (PetscInt a = 0; a < 3 && most > way; a++)
     if (PetscAbsReal(turn[a]) > 0.5 * most) body->spins |= 1 << a;
-  if (body->dim == 2 && body->spins) body->spins = 1;
   if (body->spins == before) return PETSC_FALSE;
   for (PetscInt k = 0; k < MOST; k++) body->guess[k] = 0.;
   return PETSC_TRUE;
@@ -287,7 +286,7 @@ static PetscErrorCode DescribeDrift(const MpmContacts *contacts, PetscInt b, siz
     while (!(turns >> most & 1)) most++;
     PetscCall(PetscSNPrintf(text, length,
                             "nothing holds boundary %s against its moment about %c: it turns on and meets no material",
-                            name, body->dim == 2 ? 'z' : "xyz"[most]));
+                            name, "xyz"[MpmRotationAxis(body->dim, most)]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -329,7 +328,7 @@ static void Take(const MpmRigidBody *body, PetscInt block, const PetscReal u[], 
 {
   for (PetscInt k = 0; k < MOST; k++) values[k] = 0.;
   for (PetscInt a = 0; a < body->dim; a++) values[a] = u[body->node * block + a];
-  for (PetscInt a = 0; a < (body->dim == 2 ? 1 : 3); a++) values[3 + a] = u[(body->node + 1) * block + a];
+  for (PetscInt a = 0; a < MpmRotationCount(body->dim); a++) values[3 + a] = u[(body->node + 1) * block + a];
 }
 
 /* Load of a body, as a force. */
@@ -364,7 +363,7 @@ PetscErrorCode MpmRigidRelax(const void *ctx, const MpmSum *sum, const PetscReal
       PetscCall(Rest(contacts, b, &balance, SETTLED, values, &moved));
     if (sum->grid->rank < owner) continue;
     for (PetscInt a = 0; a < body->dim; a++) x[body->node * bs + a] = values[a];
-    for (PetscInt a = 0; a < (body->dim == 2 ? 1 : 3); a++) x[(body->node + 1) * bs + a] = values[3 + a];
+    for (PetscInt a = 0; a < MpmRotationCount(body->dim); a++) x[(body->node + 1) * bs + a] = values[3 + a];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -406,7 +405,8 @@ PetscErrorCode MpmRigidUnheld(const void *ctx, const MpmSum *sum, const PetscRea
   PetscCall(MpmOutcomeFail(
     outcome, MPM_OUTCOME_UNCONSTRAINED, "its contacts do not hold boundary %s against %s %c (%s)",
     contacts->facets.boundaries[unheld].name, component < 3 ? "translation along" : "rotation about",
-    contacts->facets.boundaries[unheld].dim == 2 && component > 2 ? 'z' : "xyz"[component % 3], outcome -> text));
+    "xyz"[component < 3 ? component : MpmRotationAxis(contacts->facets.boundaries[unheld].dim, component - 3)],
+    outcome -> text));
   outcome->retryable = (PetscBool)(outcome->retryable && held);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

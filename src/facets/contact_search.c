@@ -129,12 +129,12 @@ MPM_INLINE void BoxOfAll(const PetscInt dim, const MpmPoints *points, PetscInt b
 {
   const PetscInt   count = end - begin;
   const PetscReal *x     = &points->x[begin * dim];
-  PetscReal        opposite[MPM_MAX_DIM], square[MPM_MAX_DIM * MPM_MAX_DIM], longest;
+  PetscReal        opposite[MPM_MAX_DIM], square[MPM_MAX_DIM * MPM_MAX_DIM + 1], longest;
 
   Most(dim, 16, VALUE, count, x, box->upper);
   Most(dim, 16, OPPOSITE, count, x, opposite);
-  if (dim == 2 && points->F_size > 4) Most(5, 4, SQUARE, count, MpmPointF(points, begin), square);
-  else Most(dim * dim, dim == 2 ? 8 : 4, SQUARE, count, MpmPointF(points, begin), square);
+  if (points->F_size > dim * dim) Most(dim * dim + 1, 4, SQUARE, count, MpmPointF(points, begin), square);
+  else Most(dim * dim, 1 << (5 - dim), SQUARE, count, MpmPointF(points, begin), square);
   Most(1, 32, VALUE, count * dim, &points->half_length[begin * dim], &longest);
   box->square = 0.;
   for (PetscInt a = 0; a < dim; a++) box->lower[a] = -opposite[a];
@@ -172,11 +172,35 @@ MPM_INLINE void BoxesOfParts(const PetscInt dim, const MpmPoints *points, MpmFac
   }
 }
 
+/* The functions of a box above, compiled for each dimension. */
+typedef void (*Box)(const MpmPoints *points, PetscInt begin, PetscInt end, MpmFaceBox *box);
+typedef struct {
+  Box of_faces, of_all;
+  void (*of_parts)(const MpmPoints *points, MpmFaceBox boxes[]);
+} Kernels;
+
+#define KERNELS(dim) \
+  static void BoxOf##dim(const MpmPoints *points, PetscInt begin, PetscInt end, MpmFaceBox *box) \
+  { \
+    BoxOf(dim, points, begin, end, box); \
+  } \
+  static void BoxOfAll##dim(const MpmPoints *points, PetscInt begin, PetscInt end, MpmFaceBox *box) \
+  { \
+    BoxOfAll(dim, points, begin, end, box); \
+  } \
+  static void BoxesOfParts##dim(const MpmPoints *points, MpmFaceBox boxes[]) \
+  { \
+    BoxesOfParts(dim, points, boxes); \
+  }
+KERNELS(2)
+KERNELS(3)
+
+static const Kernels kernels[] = {[2] = {BoxOf2, BoxOfAll2, BoxesOfParts2}, [3] = {BoxOf3, BoxOfAll3, BoxesOfParts3}};
+
 void MpmFaceBoxesOfParts(PetscInt dim, PetscInt parts, const MpmPoints *points, MpmFaceBox boxes[])
 {
   for (PetscInt k = 0; k < parts; k++) boxes[k] = None();
-  if (dim == 2) BoxesOfParts(2, points, boxes);
-  else BoxesOfParts(3, points, boxes);
+  kernels[dim].of_parts(points, boxes);
 }
 
 PetscErrorCode MpmFaceBoxesCreate(MpmFaceBoxes **boxes)
@@ -199,8 +223,7 @@ PetscErrorCode MpmFaceBoxesBegin(MpmFacets *facets, const MpmPoints *points)
   boxes->made = PETSC_FALSE;
   boxes->all  = None();
   if (!points->count) PetscFunctionReturn(PETSC_SUCCESS);
-  if (dim == 2) BoxOfAll(2, points, 0, points->count, &boxes->all);
-  else BoxOfAll(3, points, 0, points->count, &boxes->all);
+  kernels[dim].of_all(points, 0, points->count, &boxes->all);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -220,8 +243,7 @@ static PetscErrorCode Make(MpmFaceBoxes *boxes, PetscInt dim, const MpmPoints *p
   for (PetscInt k = 0; k < count; k++) {
     const PetscInt begin = k * SIDE_BY_SIDE, end = PetscMin(points->count, begin + SIDE_BY_SIDE);
 
-    if (dim == 2) BoxOf(2, points, begin, end, &boxes->box[k]);
-    else BoxOf(3, points, begin, end, &boxes->box[k]);
+    kernels[dim].of_faces(points, begin, end, &boxes->box[k]);
   }
   boxes->made = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -293,11 +293,11 @@ PetscErrorCode MpmPiecesLoad(MpmFacets *facets, const MpmTermStep *step)
 
     if (!MpmFacetsAreSpread(facets, b)) continue;
     any = PETSC_TRUE;
-    PetscCall(LoadField(facets, b, boundary->gap_field, MPM_PIECE_GAP, step->particles));
+    PetscCall(LoadField(facets, b, boundary->fields.gap, MPM_PIECE_GAP, step->particles));
     for (PetscInt a = 0; boundary->tangential && a < sum->space->dim; a++)
-      PetscCall(LoadField(facets, b, boundary->slip_field[a], (MpmPieceSlot)(MPM_PIECE_SLIP + a), step->particles));
+      PetscCall(LoadField(facets, b, boundary->fields.slip[a], (MpmPieceSlot)(MPM_PIECE_SLIP + a), step->particles));
     if (boundary->augmented)
-      PetscCall(LoadField(facets, b, boundary->pressure_field, MPM_PIECE_PRESSURE, step->particles));
+      PetscCall(LoadField(facets, b, boundary->fields.pressure, MPM_PIECE_PRESSURE, step->particles));
   }
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < facets->pieces.own; k++) {

@@ -108,13 +108,14 @@ PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBod
 
   PetscFunctionBeginUser;
   surfaces->named = surfaces->count;
-  for (PetscInt b = 0; b < boundaries->count; b++) more += boundaries->at[b].drained || boundaries->at[b].led;
+  for (PetscInt b = 0; b < boundaries->count; b++)
+    more += boundaries->at[b].water.drained || boundaries->at[b].water.led;
   PetscCall(PetscCalloc1((surfaces->count + more), &surfaces->at));
   if (more) PetscCall(PetscRealloc(sizeof(*surfaces->names) * (size_t)(surfaces->count + more), &surfaces->names));
   for (PetscInt b = 0; b < boundaries->count; b++) {
     MpmBodySurface *surface = &surfaces->at[surfaces->count];
 
-    if (!boundaries->at[b].drained && !boundaries->at[b].led) continue;
+    if (!boundaries->at[b].water.drained && !boundaries->at[b].water.led) continue;
     for (PetscInt k = 0; k < surfaces->named; k++)
       MpmCheckInput(strcmp(surfaces->names[k], boundaries->names[b]),
                     "-mpm_surfaces %s: there is a drained boundary of this name", surfaces->names[k]);
@@ -122,8 +123,8 @@ PetscErrorCode MpmBodySurfacesAddDrained(const MpmBoundaries *boundaries, MpmBod
                                 .boundary = b,
                                 .faces    = ~0,
                                 .held     = PETSC_TRUE,
-                                .drained  = boundaries->at[b].drained,
-                                .pressure = boundaries->at[b].pressure};
+                                .drained  = boundaries->at[b].water.drained,
+                                .pressure = boundaries->at[b].water.pressure};
     PetscCall(PetscStrallocpy(boundaries->names[b], &surface->name));
     PetscCall(PetscStrallocpy(boundaries->names[b], &surfaces->names[surfaces->count++]));
   }

@@ -121,14 +121,15 @@ static PetscBool Touches(const MpmSurfaceFaces *faces, PetscInt surface, const M
 static PetscReal PartInRegion(const MpmBodySurface *surface, PetscInt dim, const MpmPoints *points, PetscInt p,
                               PetscInt face)
 {
-  const PetscInt axis = face / 2, along[2] = {(axis + 1) % dim, (axis + 2) % dim}, across = dim == 2 ? 1 : SAMPLES;
-  PetscReal      x[MPM_MAX_DIM] = {0., 0., 0.};
-  PetscInt       inside         = 0;
+  const PetscInt axis = face / 2, along[2] = {(axis + 1) % dim, (axis + 2) % dim},
+                 count     = PetscPowInt(SAMPLES, dim - 1);
+  PetscReal x[MPM_MAX_DIM] = {0., 0., 0.};
+  PetscInt  inside         = 0;
 
   if (!surface->region) return 1.;
   for (PetscInt a = 0; a < dim; a++) x[a] = points->origin[p * dim + a];
   x[axis] += (face % 2 ? 1. : -1.) * points->half_length[p * dim + axis];
-  for (PetscInt k = 0; k < SAMPLES * across; k++) {
+  for (PetscInt k = 0; k < count; k++) {
     for (PetscInt d = 0; d < dim - 1; d++) {
       const PetscInt a = along[d], q = d ? k / SAMPLES : k % SAMPLES;
 
@@ -137,8 +138,8 @@ static PetscReal PartInRegion(const MpmBodySurface *surface, PetscInt dim, const
     }
     inside += MpmRegionContains(surface->region, x) ? 1 : 0;
   }
-  if (surface->held) return 2 * inside >= SAMPLES * across ? 1. : 0.;
-  return (PetscReal)inside / (PetscReal)(SAMPLES * across);
+  if (surface->held) return 2 * inside >= count ? 1. : 0.;
+  return (PetscReal)inside / (PetscReal)count;
 }
 
 PetscBool MpmBodySurfaceIsAll(const MpmBodySurface *surface, PetscInt dim)

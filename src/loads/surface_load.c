@@ -128,7 +128,7 @@ static void AddForce(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
   const MpmGroup  *group  = &sum->space->groups[face->group];
   const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
   const PetscReal *weight = &faces->weight[face->weight];
-  const PetscInt   dim    = sum->space->dim == 2 ? 2 : 3;
+  const PetscInt   dim    = sum->space->dim;
 
   for (PetscInt i = 0; i < group->node_count; i++)
     for (PetscInt c = 0; c < dim; c++) y[nodes[i] * sum->block + c] -= weight[i] * force[c];

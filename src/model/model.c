@@ -474,10 +474,10 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
     if (model->scene.boundaries->at[k].freedom && !MpmFreedomIsSymmetric(model->scene.boundaries->at[k].freedom))
       model->solver.symmetric = PETSC_FALSE;
-    MpmCheckInput((!model->scene.boundaries->at[k].drained && !model->scene.boundaries->at[k].led) ||
+    MpmCheckInput((!model->scene.boundaries->at[k].water.drained && !model->scene.boundaries->at[k].water.led) ||
                     MpmPressureComponent(model->disc.layout) >= 0 || MpmOptionsHelp(),
                   "-mpm_boundary_%s_%s: there is no water in the scene's physics", model->scene.boundaries->names[k],
-                  model->scene.boundaries->at[k].drained ? "drained" : "pressure");
+                  model->scene.boundaries->at[k].water.drained ? "drained" : "pressure");
     if (MpmPressureBounds(
           model, model->scene.boundaries->at[k].friction,
           (PetscBool)(model->scene.boundaries->at[k].stick && !model->scene.boundaries->at[k].bilateral)))

@@ -244,11 +244,11 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
   }
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     for (PetscInt a = 0; model->scene.boundaries->at[k].tangential && a < model->disc.dim; a++)
-      fields[(*count)++] = model->scene.boundaries->at[k].slip_field[a];
+      fields[(*count)++] = model->scene.boundaries->at[k].fields.slip[a];
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
-    if (model->scene.boundaries->at[k].augmented) fields[(*count)++] = model->scene.boundaries->at[k].pressure_field;
-    if (model->scene.boundaries->at[k].bilateral) fields[(*count)++] = model->scene.boundaries->at[k].gap_field;
-    if (model->scene.boundaries->at[k].broken_field) fields[(*count)++] = model->scene.boundaries->at[k].broken_field;
+    if (model->scene.boundaries->at[k].augmented) fields[(*count)++] = model->scene.boundaries->at[k].fields.pressure;
+    if (model->scene.boundaries->at[k].bilateral) fields[(*count)++] = model->scene.boundaries->at[k].fields.gap;
+    if (model->scene.boundaries->at[k].fields.broken) fields[(*count)++] = model->scene.boundaries->at[k].fields.broken;
   }
 }
 

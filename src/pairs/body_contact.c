@@ -253,8 +253,8 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
     if (contacts->pairs->at[contacts->patch[k].pair].augmented)
       contacts->patch[k].shift = answer.pressure / contacts->patch[k].stiffness;
   }
-  if (contacts->near || !contacts->bare) PetscCall(MpmPairPatchesKeep(contacts, slip, particles));
-  contacts->bare = (PetscBool)!contacts->near;
+  if (contacts->newton.near || !contacts->newton.bare) PetscCall(MpmPairPatchesKeep(contacts, slip, particles));
+  contacts->newton.bare = (PetscBool)!contacts->newton.near;
   PetscCall(PetscFree(slip));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->force, (PetscMPIInt)(contacts->pairs->count * MPM_MAX_DIM),
                            MPIU_REAL, MPIU_SUM, contacts->comm));
@@ -284,12 +284,12 @@ static unsigned Traits(const void *ctx)
 
 static PetscBool *Near(void *ctx)
 {
-  return &((MpmPairContacts *)ctx)->near;
+  return &((MpmPairContacts *)ctx)->newton.near;
 }
 
 static PetscBool Holds(const void *ctx)
 {
-  return ((const MpmPairContacts *)ctx)->holds;
+  return ((const MpmPairContacts *)ctx)->newton.holds;
 }
 
 static void Arrive(void *ctx, const PetscReal u[])

@@ -57,6 +57,21 @@ typedef struct {
 /* A facet as exchanged between ranks. */
 typedef struct MpmPairFacet MpmPairFacet;
 
+/* Facets near a contact, of this rank and copies of others', by cells; `list`: theirs by patches and their sides. */
+typedef struct {
+  PetscInt      count, list_count;
+  MpmPairFacet *at;
+  PetscInt     *list;
+  PetscLogEvent search;
+} MpmPairFacets;
+
+/* Treatment of patches by Newton's method (body_states.c); members as at boundaries (MpmContactNewton). */
+typedef struct {
+  PetscBool holds; /* patches of some rank are kept closed */
+  PetscBool near, bare;
+  PetscReal least, give;
+} MpmPairNewton;
+
 /* Those of this rank. */
 struct MpmPairContacts {
   const MpmPairs  *pairs;
@@ -65,21 +80,16 @@ struct MpmPairContacts {
   PetscReal        cell, touch;    /* the smallest size of a cell; a patch no further away touches */
   PetscBool        starts;         /* the step is the run's first: overlapping bodies touch from now on */
   PetscBool        dynamic;        /* the step has inertia */
-  PetscBool        holds;          /* patches of some rank are kept closed */
-  PetscBool        near, bare;     /* as at boundaries (MpmContactNewton) */
-  PetscReal        least;          /* as at boundaries (MpmContactNewton) */
-  PetscReal        give;           /* as at boundaries (MpmContactsGive) */
-  const PetscReal *moved;          /* explicit steps: displacements, contact having acted at others; or NULL */
+  MpmPairNewton    newton;
+  const PetscReal *moved; /* explicit steps: displacements, contact having acted at others; or NULL */
   MPI_Comm         comm;
-  PetscInt         state_size;                                 /* of a point's history */
-  PetscInt         water;                                      /* the unknown that is water's pressure, or -1 */
-  PetscInt         facet_count, list_count, patch_count, most; /* most: nodes of a patch */
-  MpmPairFacet    *facet;                                      /* by cells */
-  PetscInt        *list;                                       /* of facets, by patches and their sides */
+  PetscInt         state_size; /* of a point's history */
+  PetscInt         water;      /* the unknown that is water's pressure, or -1 */
+  MpmPairFacets    facets;
+  PetscInt         patch_count, most; /* most: nodes of a patch */
   MpmPairPatch    *patch;
   PetscInt         weight_count;
   PetscReal       *weight;
-  PetscLogEvent    search;
 };
 
 /* Reads friction, penalty and method of a pair's block, and whether water passes where there is any. */

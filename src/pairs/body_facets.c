@@ -94,10 +94,10 @@ static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *r
     made.count[a] = nodes->count[a];
   }
   MpmFacetLines(rules, space, points, &facet, made.line);
-  made.material = points->material[p];
-  made.modulus  = MpmMaterialPenalty(material, MpmPointOwn(points, material, p));
-  made.plastic  = material->info.traits & MPM_LAW_PLASTIC ? 1. : 0.;
-  made.strength =
+  made.material.index   = points->material[p];
+  made.material.modulus = MpmMaterialPenalty(material, MpmPointOwn(points, material, p));
+  made.material.plastic = material->info.traits & MPM_LAW_PLASTIC ? 1. : 0.;
+  made.material.strength =
     MpmMaterialShearStrength(material, MpmPointOwn(points, material, p), points->state + p * contacts->state_size);
   return made;
 }
@@ -171,7 +171,7 @@ static PetscErrorCode OwnFacets(MpmPairContacts *contacts, const MpmRules *rules
   Extents  extents  = {.parts = contacts->bodies->parts};
 
   PetscFunctionBeginUser;
-  contacts->facet_count = 0;
+  contacts->facets.count = 0;
   PetscCall(FindExtents(contacts, rules->grid, points, &extents));
   for (PetscInt g = 0; g < space->group_count; g++) {
     for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
@@ -181,11 +181,11 @@ static PetscErrorCode OwnFacets(MpmPairContacts *contacts, const MpmRules *rules
         continue;
       for (PetscInt face = 0; face < 2 * space->dim; face++) {
         if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
-        if (contacts->facet_count == capacity) {
+        if (contacts->facets.count == capacity) {
           capacity = 2 * capacity + 64;
-          PetscCall(PetscRealloc((size_t)capacity * sizeof(MpmPairFacet), &contacts->facet));
+          PetscCall(PetscRealloc((size_t)capacity * sizeof(MpmPairFacet), &contacts->facets.at));
         }
-        contacts->facet[contacts->facet_count++] = MakeFacet(contacts, rules, points, space, g, p, face);
+        contacts->facets.at[contacts->facets.count++] = MakeFacet(contacts, rules, points, space, g, p, face);
       }
     }
   }
@@ -209,7 +209,7 @@ void MpmPairFacetCells(const MpmGrid *grid, const MpmPairFacet *facet, PetscReal
 /* Copies of the facets to the ranks that own cells near them; those received stand behind the own ones. */
 static PetscErrorCode ShareFacets(MpmPairContacts *contacts, const MpmGrid *grid)
 {
-  const PetscInt own = contacts->facet_count;
+  const PetscInt own = contacts->facets.count;
   PetscInt      *boxes;
 
   PetscFunctionBeginUser;
@@ -217,10 +217,10 @@ static PetscErrorCode ShareFacets(MpmPairContacts *contacts, const MpmGrid *grid
   for (PetscInt k = 0; k < own; k++) {
     PetscInt *box = &boxes[2 * MPM_MAX_DIM * k];
 
-    MpmPairFacetCells(grid, &contacts->facet[k], 2. * MPM_PAIR_SEARCH, box, box + MPM_MAX_DIM);
+    MpmPairFacetCells(grid, &contacts->facets.at[k], 2. * MPM_PAIR_SEARCH, box, box + MPM_MAX_DIM);
   }
-  PetscCall(MpmGridShare(grid, sizeof(MpmPairFacet), boxes, &contacts->facet_count, (void **)&contacts->facet));
-  for (PetscInt k = own; k < contacts->facet_count; k++) contacts->facet[k].point = -1;
+  PetscCall(MpmGridShare(grid, sizeof(MpmPairFacet), boxes, &contacts->facets.count, (void **)&contacts->facets.at));
+  for (PetscInt k = own; k < contacts->facets.count; k++) contacts->facets.at[k].point = -1;
   PetscCall(PetscFree(boxes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -240,13 +240,13 @@ static int CompareFacets(const void *a, const void *b)
 static PetscInt FirstOfCell(const MpmPairContacts *contacts, const PetscInt cell[])
 {
   MpmPairFacet wanted = {.id = -1};
-  PetscInt     lower = 0, upper = contacts->facet_count;
+  PetscInt     lower = 0, upper = contacts->facets.count;
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) wanted.cell[a] = (PetscReal)cell[a];
   while (lower < upper) {
     const PetscInt middle = (lower + upper) / 2;
 
-    if (CompareFacets(&contacts->facet[middle], &wanted) < 0) lower = middle + 1;
+    if (CompareFacets(&contacts->facets.at[middle], &wanted) < 0) lower = middle + 1;
     else upper = middle;
   }
   return lower;
@@ -255,9 +255,9 @@ static PetscInt FirstOfCell(const MpmPairContacts *contacts, const PetscInt cell
 void MpmPairFacetsOfCell(const MpmPairContacts *contacts, const PetscInt cell[], PetscInt *first, PetscInt *end)
 {
   *first = *end = FirstOfCell(contacts, cell);
-  for (; *end < contacts->facet_count; (*end)++)
+  for (; *end < contacts->facets.count; (*end)++)
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-      if (contacts->facet[*end].cell[a] != (PetscReal)cell[a]) return;
+      if (contacts->facets.at[*end].cell[a] != (PetscReal)cell[a]) return;
 }
 
 /* Boxes around each part's points with outer faces, enlarged by the allowance of FindExtents(): true where those of
@@ -303,13 +303,13 @@ PetscErrorCode MpmPairFacetsFind(MpmPairContacts *contacts, const MpmRules *rule
   PetscBool near = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  contacts->facet_count = 0;
+  contacts->facets.count = 0;
   PetscCall(AnyNear(contacts, rules->grid, points, &near));
   if (!near) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscLogEventBegin(contacts->search, 0, 0, 0, 0));
+  PetscCall(PetscLogEventBegin(contacts->facets.search, 0, 0, 0, 0));
   PetscCall(OwnFacets(contacts, rules, points, space));
   PetscCall(ShareFacets(contacts, rules->grid));
-  qsort(contacts->facet, (size_t)contacts->facet_count, sizeof(MpmPairFacet), CompareFacets);
-  PetscCall(PetscLogEventEnd(contacts->search, 0, 0, 0, 0));
+  qsort(contacts->facets.at, (size_t)contacts->facets.count, sizeof(MpmPairFacet), CompareFacets);
+  PetscCall(PetscLogEventEnd(contacts->facets.search, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,17 +4,22 @@
 */
 #include "pairs/body_contact.h"
 
+/* The material behind a facet. */
+typedef struct {
+  PetscInt  index;
+  PetscReal modulus, strength, plastic; /* Pa, Pa, plastic flow */
+} MpmPairMaterial;
+
 struct MpmPairFacet {
   PetscInt part, id, face, point,
     across; /* id: of its point, which is `point` on this rank, -1: a copy; across: one of the other body is */
   PetscInt  first[MPM_MAX_DIM], count[MPM_MAX_DIM]; /* its nodes */
   PetscReal place[MPM_MAX_DIM], area[MPM_MAX_DIM], size,
-    cell[MPM_MAX_DIM];                        /* size: half the edge of a face; cell: of its point */
-  PetscReal look[MPM_MAX_DIM], seen;          /* outward normal of the surface; area along it, 0: of a step */
-  PetscReal line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* weights by axis */
-  PetscReal modulus, strength, plastic;       /* of the material: Pa, Pa, plastic flow */
-  PetscInt  placed;                           /* on the surface that cut the lattice */
-  PetscInt  material;
+    cell[MPM_MAX_DIM];                              /* size: half the edge of a face; cell: of its point */
+  PetscReal       look[MPM_MAX_DIM], seen;          /* outward normal of the surface; area along it, 0: of a step */
+  PetscReal       line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* weights by axis */
+  MpmPairMaterial material;
+  PetscInt        placed; /* on the surface that cut the lattice */
 };
 
 /* Finds them, in one order: by cell, then by id; those of points in no contact are left out. Collective. */

@@ -21,6 +21,7 @@
 #include "grid/grid.h"
 #include "space/space.h"
 #include "space/sum.h"
+#include "rigid/rotations.h"
 #include "pairs/body_contact.h"
 
 #define TURNS 0.01 /* of a cell squared: a smaller J says nothing of a turn */
@@ -72,14 +73,14 @@ void MpmPairAddTurning(const MpmPairLever *lever, const PetscReal moment[], Pets
   for (PetscInt a = 0; a < 3; a++) w[a] += sign * way[a];
 }
 
-/* The inverse of a symmetric J, of which 2D has zz alone; PETSC_FALSE where it is not well above 0. */
+/* The inverse of a symmetric J, of which a plane has zz alone; PETSC_FALSE where it is not well above 0. */
 static PetscBool Invert(PetscInt dim, PetscReal J[3][3], PetscReal least, PetscReal inverse[3][3])
 {
   PetscReal largest = 0., det = 0.;
 
   for (PetscInt a = 0; a < 3; a++)
     for (PetscInt c = 0; c < 3; c++) inverse[a][c] = 0.;
-  if (dim == 2) {
+  if (MpmRotationCount(dim) == 1) {
     if (J[2][2] < least) return PETSC_FALSE;
     inverse[2][2] = 1. / J[2][2];
     return PETSC_TRUE;

@@ -30,7 +30,7 @@ static PetscErrorCode LoadField(const MpmPairContacts *contacts, PetscInt pair, 
     if (patch->pair != pair) continue;
     mean[k] = 0.;
     for (PetscInt f = patch->side[0].begin; f < patch->side[0].end; f++) {
-      const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
+      const MpmPairFacet *facet = &contacts->facets.at[contacts->facets.list[f]];
       PetscReal           area  = 0.;
 
       for (PetscInt a = 0; a < dim; a++) area += patch->normal[a] * facet->area[a];
@@ -47,7 +47,7 @@ static PetscErrorCode LoadField(const MpmPairContacts *contacts, PetscInt pair, 
 */
 static PetscReal TouchesAtStart(PetscInt dim, const MpmPairContacts *contacts, const MpmPairPatch *patch)
 {
-  const PetscReal size = contacts->facet[contacts->list[patch->side[0].begin]].size;
+  const PetscReal size = contacts->facets.at[contacts->facets.list[patch->side[0].begin]].size;
   PetscReal       within;
   PetscBool       cut = PETSC_TRUE;
 
@@ -56,7 +56,7 @@ static PetscReal TouchesAtStart(PetscInt dim, const MpmPairContacts *contacts, c
     return PetscMin(patch->gap - (contacts->dynamic ? 1. : 0.5) * MPM_BARRIER * contacts->cell, 0.);
   for (PetscInt a = 0; a < dim; a++)
     if (PetscAbsReal(patch->normal[a]) > 1. - ALIGNED) cut = PETSC_FALSE;
-  MPM_PAIR_SIDES(patch, f, s) if (contacts->facet[contacts->list[f]].placed) cut = PETSC_FALSE;
+  MPM_PAIR_SIDES(patch, f, s) if (contacts->facets.at[contacts->facets.list[f]].placed) cut = PETSC_FALSE;
   within = cut ? size : MPM_TOLERANCE * contacts->cell;
   return patch->gap < within ? patch->gap : 0.;
 }
@@ -72,7 +72,7 @@ static void OpenPatch(const MpmPairContacts *contacts, const MpmSum *sum, MpmPai
   if (!pair->open || patch->gap - patch->touches > reach * contacts->cell) return;
   MPM_PAIR_SIDES(patch, f, s)
   {
-    const MpmMaterial       *material = &sum->materials[contacts->facet[contacts->list[f]].material];
+    const MpmMaterial       *material = &sum->materials[contacts->facets.at[contacts->facets.list[f]].material.index];
     const MpmPhysicsMaterial of       = MpmMaterialForPhysics(material, NULL, sum->layout->dim);
 
     /* over a length of zero: conductance of a step of a second */
@@ -89,7 +89,7 @@ PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
   PetscReal       *mean;
 
   PetscFunctionBeginUser;
-  contacts->give = 1.;
+  contacts->newton.give = 1.;
   if (!contacts->patch_count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(contacts->patch_count, &mean));
   for (PetscInt p = 0; p < contacts->pairs->count; p++) {
@@ -148,7 +148,7 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
         const PetscReal kept[] = {slip[k][0], slip[k][1], slip[k][2], patch->touches, patch->shift * patch->stiffness};
 
         for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
-          value[contacts->facet[contacts->list[f]].point] = kept[a];
+          value[contacts->facets.at[contacts->facets.list[f]].point] = kept[a];
       }
       PetscCall(MpmParticlesRestoreField(particles, &value));
     }
@@ -170,7 +170,7 @@ PetscErrorCode MpmPairsPutBack(const void *ctx, PetscInt points, MpmParticles *p
       const MpmPairPatch *patch = &contacts->patch[k];
 
       for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
-        value[contacts->facet[contacts->list[f]].point] = patch->gap - patch->touches - patch->closed;
+        value[contacts->facets.at[contacts->facets.list[f]].point] = patch->gap - patch->touches - patch->closed;
     }
     PetscCall(MpmParticlesRestoreField(particles, &value));
   }

@@ -48,7 +48,7 @@ static void Friction(const MpmPairPatch *patch, const MpmContactLaw *law, PetscI
 
 PetscReal MpmPairGiving(const MpmPairContacts *contacts, const MpmPairPatch *patch)
 {
-  return contacts->pairs->at[patch->pair].stick ? 1. : contacts->give;
+  return contacts->pairs->at[patch->pair].stick ? 1. : contacts->newton.give;
 }
 
 void MpmPairEvaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch, PetscInt dim, const PetscReal w[],
@@ -62,7 +62,7 @@ void MpmPairEvaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch,
                               .strength  = patch->strength,
                               .stick     = pair->stick,
                               .parts     = PETSC_TRUE,
-                              .least     = contacts->least};
+                              .least     = contacts->newton.least};
   const PetscReal    *n = patch->normal, area = patch->side[0].area;
   PetscReal           along = 0., rate;
 

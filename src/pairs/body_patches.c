@@ -48,7 +48,7 @@ static PetscReal Across(PetscInt dim, const MpmPairFacet *one, const MpmPairFace
 /* The facet of the first body that lies across from facet k of the second, or -1. */
 static PetscInt Opposite(const MpmPairContacts *contacts, const MpmGrid *grid, const MpmPair *pair, PetscInt k)
 {
-  const MpmPairFacet *other = &contacts->facet[k];
+  const MpmPairFacet *other = &contacts->facets.at[k];
   PetscInt            lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], cell[MPM_MAX_DIM], found = -1;
   PetscReal           best = PETSC_INFINITY;
 
@@ -60,7 +60,7 @@ static PetscInt Opposite(const MpmPairContacts *contacts, const MpmGrid *grid, c
 
         MpmPairFacetsOfCell(contacts, cell, &begin, &end);
         for (PetscInt f = begin; f < end; f++) {
-          const MpmPairFacet *one = &contacts->facet[f];
+          const MpmPairFacet *one = &contacts->facets.at[f];
           PetscReal           distance;
 
           if (one->part != pair->part[0]) continue;
@@ -108,7 +108,7 @@ static PetscBool SmoothNormal(const MpmPairContacts *contacts, const MpmGrid *gr
 
         MpmPairFacetsOfCell(contacts, cell, &begin, &end);
         for (PetscInt f = begin; f < end; f++) {
-          const MpmPairFacet *facet = &contacts->facet[f];
+          const MpmPairFacet *facet = &contacts->facets.at[f];
           PetscReal           near = 0., sign = 0.;
 
           if (!facet->across) continue;
@@ -136,16 +136,16 @@ static void Describe(const MpmPairContacts *contacts, PetscInt dim, MpmPairPatch
   patch->strength = PETSC_INFINITY;
   MPM_PAIR_SIDES(patch, f, s)
   {
-    const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
+    const MpmPairFacet *facet = &contacts->facets.at[contacts->facets.list[f]];
     PetscReal           area  = 0.;
 
     for (PetscInt a = 0; a < dim; a++) area += patch->normal[a] * facet->area[a];
     area = PetscAbsReal(area);
     for (PetscInt a = 0; a < dim; a++) patch->side[s].place[a] += area * facet->place[a];
     patch->side[s].area += area;
-    modulus         = PetscMin(modulus, facet->modulus);
-    flows           = PetscMax(flows, facet->plastic);
-    patch->strength = PetscMin(patch->strength, facet->strength);
+    modulus         = PetscMin(modulus, facet->material.modulus);
+    flows           = PetscMax(flows, facet->material.plastic);
+    patch->strength = PetscMin(patch->strength, facet->material.strength);
   }
   patch->gap = 0.;
   for (PetscInt a = 0; a < dim; a++)
@@ -196,11 +196,12 @@ static PetscErrorCode AppendForeign(const MpmPairContacts *contacts, MpmSpace *s
   MpmGroup *boxes;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < contacts->list_count; k++) count += contacts->facet[contacts->list[k]].point < 0;
+  for (PetscInt k = 0; k < contacts->facets.list_count; k++)
+    count += contacts->facets.at[contacts->facets.list[k]].point < 0;
   if (!count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSpaceAppendBoxes(space, count, &boxes));
-  for (PetscInt k = 0, box = 0; k < contacts->list_count; k++) {
-    const MpmPairFacet *facet = &contacts->facet[contacts->list[k]];
+  for (PetscInt k = 0, box = 0; k < contacts->facets.list_count; k++) {
+    const MpmPairFacet *facet = &contacts->facets.at[contacts->facets.list[k]];
 
     if (facet->point >= 0) continue;
     IncludeNodes(&boxes[box], facet);
@@ -221,7 +222,7 @@ static PetscErrorCode MakeSides(MpmPairContacts *contacts, MpmSpace *space)
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPairPatch *patch = &contacts->patch[k];
 
-    MPM_PAIR_SIDES(patch, f, s) IncludeNodes(&boxes[2 * k + s], &contacts->facet[contacts->list[f]]);
+    MPM_PAIR_SIDES(patch, f, s) IncludeNodes(&boxes[2 * k + s], &contacts->facets.at[contacts->facets.list[f]]);
     for (PetscInt s = 0; s < 2; s++) {
       patch->side[s].box    = begin + 2 * k + s;
       patch->side[s].weight = contacts->weight_count;
@@ -246,7 +247,7 @@ static PetscErrorCode WeighSides(MpmPairContacts *contacts, const MpmSpace *spac
 
     MPM_PAIR_SIDES(patch, f, s)
     {
-      const MpmPairFacet *facet = &contacts->facet[contacts->list[f]];
+      const MpmPairFacet *facet = &contacts->facets.at[contacts->facets.list[f]];
       PetscReal           area  = 0.;
 
       for (PetscInt a = 0; a < dim; a++) area += patch->normal[a] * facet->area[a];
@@ -270,24 +271,24 @@ static PetscErrorCode AddPatch(MpmPairContacts *contacts, const MpmGrid *grid, P
 {
   const MpmPair *bodies = &contacts->pairs->at[pair];
   MpmPairPatch   patch  = {.pair = pair};
-  MpmPairFacet   about  = contacts->facet[seed];
+  MpmPairFacet   about  = contacts->facets.at[seed];
   PetscInt       f      = seed;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < grid->dim; a++) {
     about.place[a] = 0.;
-    for (PetscInt k = 0; k < count; k++) about.place[a] += contacts->facet[others[k]].place[a] / (PetscReal)count;
+    for (PetscInt k = 0; k < count; k++) about.place[a] += contacts->facets.at[others[k]].place[a] / (PetscReal)count;
   }
   if (!SmoothNormal(contacts, grid, bodies, &about, PETSC_FALSE, patch.normal))
     (void)SmoothNormal(contacts, grid, bodies, &about, PETSC_TRUE, patch.normal);
-  while (f > 0 && SameCell(&contacts->facet[f - 1], &contacts->facet[seed])) f--;
-  patch.side[0].begin = contacts->list_count;
-  for (; f < contacts->facet_count && SameCell(&contacts->facet[f], &contacts->facet[seed]); f++)
-    if (contacts->facet[f].part == bodies->part[0] && Looks(grid->dim, &contacts->facet[f], patch.normal))
-      contacts->list[contacts->list_count++] = f;
-  patch.side[0].end = patch.side[1].begin = contacts->list_count;
-  for (PetscInt k = 0; k < count; k++) contacts->list[contacts->list_count++] = others[k];
-  patch.side[1].end = contacts->list_count;
+  while (f > 0 && SameCell(&contacts->facets.at[f - 1], &contacts->facets.at[seed])) f--;
+  patch.side[0].begin = contacts->facets.list_count;
+  for (; f < contacts->facets.count && SameCell(&contacts->facets.at[f], &contacts->facets.at[seed]); f++)
+    if (contacts->facets.at[f].part == bodies->part[0] && Looks(grid->dim, &contacts->facets.at[f], patch.normal))
+      contacts->facets.list[contacts->facets.list_count++] = f;
+  patch.side[0].end = patch.side[1].begin = contacts->facets.list_count;
+  for (PetscInt k = 0; k < count; k++) contacts->facets.list[contacts->facets.list_count++] = others[k];
+  patch.side[1].end = contacts->facets.list_count;
   if (patch.side[0].begin == patch.side[0].end) PetscFunctionReturn(PETSC_SUCCESS);
   Describe(contacts, grid->dim, &patch);
   if (!(patch.side[0].area > 0. && patch.side[1].area > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -303,22 +304,22 @@ static PetscErrorCode PatchesOfPair(MpmPairContacts *contacts, const MpmGrid *gr
   PetscInt      *opposite, *other, count = 0, end;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc2(contacts->facet_count, &opposite, contacts->facet_count, &other));
-  for (PetscInt k = 0; k < contacts->facet_count; k++) contacts->facet[k].across = 0;
-  for (PetscInt k = 0; k < contacts->facet_count; k++) {
-    const PetscInt found = contacts->facet[k].part == bodies->part[1] ? Opposite(contacts, grid, bodies, k) : -1;
+  PetscCall(PetscMalloc2(contacts->facets.count, &opposite, contacts->facets.count, &other));
+  for (PetscInt k = 0; k < contacts->facets.count; k++) contacts->facets.at[k].across = 0;
+  for (PetscInt k = 0; k < contacts->facets.count; k++) {
+    const PetscInt found = contacts->facets.at[k].part == bodies->part[1] ? Opposite(contacts, grid, bodies, k) : -1;
 
     if (found < 0) continue;
-    contacts->facet[k].across = contacts->facet[found].across = 1;
-    if (contacts->facet[found].point < 0) continue; /* another rank's */
+    contacts->facets.at[k].across = contacts->facets.at[found].across = 1;
+    if (contacts->facets.at[found].point < 0) continue; /* another rank's */
     opposite[count] = found;
     other[count++]  = k;
   }
   PetscCall(PetscSortIntWithArray(count, opposite, other));
   for (PetscInt begin = 0; begin < count; begin = end) {
-    const MpmPairFacet *seed = &contacts->facet[opposite[begin]];
+    const MpmPairFacet *seed = &contacts->facets.at[opposite[begin]];
 
-    for (end = begin; end < count && SameCell(&contacts->facet[opposite[end]], seed); end++) continue;
+    for (end = begin; end < count && SameCell(&contacts->facets.at[opposite[end]], seed); end++) continue;
     PetscCall(PetscSortInt(end - begin, &other[begin]));
     PetscCall(AddPatch(contacts, grid, pair, opposite[begin], end - begin, &other[begin]));
   }
@@ -331,8 +332,8 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
   MpmPairContacts *contacts = (MpmPairContacts *)ctx;
 
   PetscFunctionBeginUser;
-  contacts->patch_count = contacts->list_count = 0;
-  contacts->near                               = PETSC_FALSE;
+  contacts->patch_count = contacts->facets.list_count = 0;
+  contacts->newton.near                               = PETSC_FALSE;
   if (!contacts->pairs->count) PetscFunctionReturn(PETSC_SUCCESS);
   contacts->cell = PETSC_INFINITY;
   for (PetscInt a = 0; a < space->dim; a++) contacts->cell = PetscMin(contacts->cell, rules->grid->h[a]);
@@ -340,13 +341,13 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
   contacts->starts  = (PetscBool)(rules->time_n == 0. && !rules->put_back);
   contacts->dynamic = rules->dynamic;
   PetscCall(MpmPairFacetsFind(contacts, rules, points, space));
-  if (!contacts->facet_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFree(contacts->list));
-  PetscCall(PetscMalloc1((2 * contacts->facet_count * contacts->pairs->count), &contacts->list));
+  if (!contacts->facets.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(contacts->facets.list));
+  PetscCall(PetscMalloc1((2 * contacts->facets.count * contacts->pairs->count), &contacts->facets.list));
   for (PetscInt k = 0; k < contacts->pairs->count; k++) PetscCall(PatchesOfPair(contacts, rules->grid, k));
   if (contacts->patch_count) PetscCall(MakeSides(contacts, space));
   if (contacts->patch_count) PetscCall(WeighSides(contacts, space));
-  contacts->near = (PetscBool)(contacts->patch_count > 0);
+  contacts->newton.near = (PetscBool)(contacts->patch_count > 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

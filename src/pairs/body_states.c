@@ -89,7 +89,7 @@ PetscErrorCode MpmPairsBegin(void *ctx, const MpmSum *sum, const PetscReal u[], 
   PetscFunctionBeginUser;
   (void)careful;
   MpmPairsEnd(contacts);
-  contacts->least = MPM_CONTACT_LEAST;
+  contacts->newton.least = MPM_CONTACT_LEAST;
   for (PetscInt p = 0; p < contacts->pairs->count; p++) {
     const MpmPair *pair    = &contacts->pairs->at[p];
     PetscBool      touches = PETSC_TRUE;
@@ -105,11 +105,11 @@ PetscErrorCode MpmPairsBegin(void *ctx, const MpmSum *sum, const PetscReal u[], 
       MpmPairRelative(contacts, patch, sum, u, w);
       MpmPairEvaluate(contacts, patch, dim, w, &answer);
       if (answer.gap > NEAR * contacts->cell) continue;
-      patch->held = contacts->holds = PETSC_TRUE;
+      patch->held = contacts->newton.holds = PETSC_TRUE;
       for (PetscInt a = 0; a < dim; a++) patch->way[a] = patch->slip[a] / PetscSqrtReal(size);
     }
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->holds, 1, MPM_MPI_BOOL, MPI_LOR, contacts->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &contacts->newton.holds, 1, MPM_MPI_BOOL, MPI_LOR, contacts->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,13 +119,13 @@ void MpmPairsGive(void *ctx, PetscReal give)
 
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     for (PetscInt a = 0; a < MPM_MAX_DIM && !contacts->pairs->at[contacts->patch[k].pair].stick; a++)
-      contacts->patch[k].slip[a] *= give / contacts->give;
-  contacts->give = give;
+      contacts->patch[k].slip[a] *= give / contacts->newton.give;
+  contacts->newton.give = give;
 }
 
 static void Release(MpmPairContacts *contacts)
 {
-  contacts->holds = PETSC_FALSE;
+  contacts->newton.holds = PETSC_FALSE;
   for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].held = PETSC_FALSE;
 }
 
@@ -142,5 +142,5 @@ void MpmPairsEnd(void *ctx)
   MpmPairContacts *contacts = (MpmPairContacts *)ctx;
 
   Release(contacts);
-  contacts->least = 0.;
+  contacts->newton.least = 0.;
 }

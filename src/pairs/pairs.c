@@ -73,7 +73,7 @@ PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, const
   contacts->state_size = state_size;
   contacts->water      = water;
   PetscCall(PetscCalloc1(pairs->count, &contacts->force));
-  if (pairs->count) PetscCall(MpmContactSearchRegister(&contacts->search));
+  if (pairs->count) PetscCall(MpmContactSearchRegister(&contacts->facets.search));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -81,8 +81,8 @@ PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree(contacts->force));
-  PetscCall(PetscFree(contacts->facet));
-  PetscCall(PetscFree(contacts->list));
+  PetscCall(PetscFree(contacts->facets.at));
+  PetscCall(PetscFree(contacts->facets.list));
   PetscCall(PetscFree(contacts->patch));
   PetscCall(PetscFree(contacts->weight));
   PetscFunctionReturn(PETSC_SUCCESS);

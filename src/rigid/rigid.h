@@ -8,25 +8,36 @@
 #include "geometry/motion.h"
 #include "geometry/solid.h"
 
+/* Fields of the points that keep something of a boundary's contact; NULL where there is nothing to keep. */
+typedef struct {
+  char *slip[MPM_MAX_DIM]; /* where tangential */
+  char *pressure;          /* where augmented */
+  char *gap;               /* where bilateral */
+  char *broken;            /* where it has a tension: 1 where it has let go */
+} MpmBoundaryFields;
+
+/* Water that passes a boundary where the material touches it. */
+typedef struct {
+  PetscBool drained, led; /* drained to open water; or at `pressure` */
+  PetscReal pressure;     /* Pa */
+} MpmBoundaryWater;
+
 /* A surface that holds the material by a penalty. */
 typedef struct {
-  char       *name, *slip_field[MPM_MAX_DIM]; /* fields of the particles, where tangential */
-  PetscInt    dim;
-  MpmSolid    solid;
-  PetscReal   penalty, friction, adhesion;  /* Coulomb's coefficient; Pa */
-  PetscBool   stick, tangential, bilateral; /* tangential: something acts along the surface */
-  PetscBool   firm;                         /* the penalty holds for all materials */
-  PetscBool   drained, led;                 /* drained to open water; or at `pressure` */
-  PetscReal   pressure;                     /* Pa */
-  MpmRegion   region;                       /* of the contact candidates, at the start */
-  MpmMotion   motion;
-  MpmFreedom *freedom;        /* NULL: all of its motion is prescribed */
-  PetscBool   augmented;      /* pressures are corrected until the depth is below `penetration` */
-  PetscReal   penetration;    /* accepted depth, m */
-  char       *pressure_field; /* of the particles, where augmented */
-  char       *gap_field;      /* of the particles, where bilateral */
-  PetscReal   tension;        /* pull at which a bilateral one opens for good, Pa; 0: none */
-  char       *broken_field;   /* of the particles, where it has a tension: 1 where it has let go */
+  char             *name;
+  PetscInt          dim;
+  MpmSolid          solid;
+  PetscReal         penalty, friction, adhesion;  /* Coulomb's coefficient; Pa */
+  PetscBool         stick, tangential, bilateral; /* tangential: something acts along the surface */
+  PetscBool         firm;                         /* the penalty holds for all materials */
+  MpmBoundaryWater  water;
+  MpmBoundaryFields fields;
+  MpmRegion         region; /* of the contact candidates, at the start */
+  MpmMotion         motion;
+  MpmFreedom       *freedom;     /* NULL: all of its motion is prescribed */
+  PetscBool         augmented;   /* pressures are corrected until the depth is below `penetration` */
+  PetscReal         penetration; /* accepted depth, m */
+  PetscReal         tension;     /* pull at which a bilateral one opens for good, Pa; 0: none */
 } MpmBoundary;
 
 /* Boundaries, with the names of their blocks. */

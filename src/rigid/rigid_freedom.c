@@ -19,14 +19,15 @@
 /* A component's name as a bit of translations or rotations. */
 static PetscErrorCode TakeComponent(const MpmOptions *block, PetscInt dim, const char *name, PetscInt free[2])
 {
-  const PetscBool rotation = (PetscBool)(name[0] == 'r');
-  const char      axis     = name[rotation];
-  const PetscInt  first = rotation && dim == 2 ? 2 : 0, last = rotation ? 2 : dim - 1, bit = axis - 'x';
+  static const char *const all[]    = {[2] = "x, y, rz", [3] = "x, y, z, rx, ry, rz"};
+  const PetscBool          rotation = (PetscBool)(name[0] == 'r');
+  const char               axis     = name[rotation];
+  const PetscInt first = rotation ? MpmRotationAxis(dim, 0) : 0, last = rotation ? 2 : dim - 1, at = axis - 'x';
 
   PetscFunctionBeginUser;
-  MpmCheckInput(strlen(name) == 1 + (size_t)rotation && bit >= first && bit <= last, "-%sfree %s: must be one of %s",
-                block->prefix, name, dim == 2 ? "x, y, rz" : "x, y, z, rx, ry, rz");
-  free[rotation] |= 1 << (rotation && dim == 2 ? 0 : bit);
+  MpmCheckInput(strlen(name) == 1 + (size_t)rotation && at >= first && at <= last, "-%sfree %s: must be one of %s",
+                block->prefix, name, all[dim]);
+  free[rotation] |= 1 << (at - first);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -93,14 +94,14 @@ static PetscErrorCode CheckMotion(const MpmOptions *block, const MpmBoundary *bo
     MpmCheckInput(boundary->motion.translation[a] == 0. || !(freedom->free[0] >> a & 1),
                   "-%smotion: must be 0 along axis %c, which is among -%sfree", block->prefix, "xyz"[a],
                   block -> prefix);
-  for (PetscInt a = 0; a < (dim == 2 ? 1 : 3); a++)
-    MpmCheckInput(boundary->motion.rotation[dim == 2 ? 2 : a] == 0. || !(freedom->free[1] >> a & 1),
+  for (PetscInt k = 0; k < MpmRotationCount(dim); k++)
+    MpmCheckInput(boundary->motion.rotation[MpmRotationAxis(dim, k)] == 0. || !(freedom->free[1] >> k & 1),
                   "-%srotation: must be 0 about axis %c, which is among -%sfree", block->prefix,
-                  dim == 2 ? 'z' : "xyz"[a], block -> prefix);
+                  "xyz"[MpmRotationAxis(dim, k)], block -> prefix);
   for (PetscInt k = 0; k < 6 * motion->rows; k++) {
-    const PetscInt a = k % 3, turns = k % 6 / 3;
+    const PetscInt a = k % 3, turns = k % 6 / 3, bit = turns ? PetscMax(a - MpmRotationAxis(dim, 0), 0) : a;
 
-    MpmCheckInput(motion->value[k] == 0. || !(freedom->free[turns] >> (turns && dim == 2 ? 0 : a) & 1),
+    MpmCheckInput(motion->value[k] == 0. || !(freedom->free[turns] >> bit & 1),
                   "-%smotion_table: column %s%c must be 0, for %s%c is among -%sfree", block->prefix, turns ? "r" : "u",
                   "xyz"[a], turns ? "r" : "", "xyz"[a], block -> prefix);
   }
@@ -126,8 +127,9 @@ PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *bounda
 {
   const PetscInt dim = boundary->dim;
   MpmFreedom    *freedom;
-  PetscInt       count = 0;
-  char         **names = NULL;
+  PetscInt       count               = 0;
+  char         **names               = NULL;
+  PetscReal      moment[MPM_MAX_DIM] = {0., 0., 0.};
 
   PetscFunctionBeginUser;
   *handle = NULL;
@@ -146,16 +148,13 @@ PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *bounda
   PetscCall(MpmOptionsReals(block, "load", "N", "force on it in total (2D: per metre), with `free`", MPM_RANGE_ANY,
                             MPM_OPTIONAL, dim, freedom->load, NULL));
   PetscCall(MpmOptionsReals(block, "moment", "N m", "moment on it in total (2D: one number, per metre), with `free`",
-                            MPM_RANGE_ANY, MPM_OPTIONAL, dim == 2 ? 1 : 3, freedom->moment, NULL));
+                            MPM_RANGE_ANY, MPM_OPTIONAL, MpmRotationCount(dim), moment, NULL));
   if (!MpmOptionsHelp()) {
     PetscCall(CheckMotion(block, boundary, freedom));
     PetscCall(CheckPush(block, "load", freedom->load, freedom->free[0], dim));
-    PetscCall(CheckPush(block, "moment", freedom->moment, freedom->free[1], dim == 2 ? 1 : 3));
+    PetscCall(CheckPush(block, "moment", moment, freedom->free[1], MpmRotationCount(dim)));
   }
-  if (dim == 2) {
-    freedom->moment[2] = freedom->moment[0];
-    freedom->moment[0] = 0.;
-  }
+  for (PetscInt k = 0; k < MpmRotationCount(dim); k++) freedom->moment[MpmRotationAxis(dim, k)] = moment[k];
   PetscCall(ReadMass(block, dim, freedom));
   PetscCall(MpmRampCreate(block, "load_ramp", "0:0,1:1", &freedom->ramp));
   freedom->size = MpmBoundarySize(boundary);

@@ -72,8 +72,7 @@ void MpmRigidIncrementMake(const MpmRigidBody *body, const PetscReal values[6], 
 
   *q = (MpmRigidIncrement){.scale = 0.};
   for (PetscInt a = 0; a < body->dim; a++) q->shift[a] = values[a];
-  if (body->dim == 2) q->r[2] = values[3] / size;
-  for (PetscInt a = 0; a < 3 && body->dim > 2; a++) q->r[a] = values[3 + a] / size;
+  for (PetscInt k = 0; k < MpmRotationCount(body->dim); k++) q->r[MpmRotationAxis(body->dim, k)] = values[3 + k] / size;
   square   = Dot(q->r, q->r);
   q->scale = 2. / (1. + square);
   S[0][0] = S[1][1] = S[2][2] = 0.;
@@ -91,7 +90,7 @@ void MpmRigidIncrementAt(const MpmRigidBody *body, PetscInt block, const PetscRe
   PetscReal        values[6] = {0.};
 
   for (PetscInt a = 0; a < body->dim; a++) values[a] = at[a];
-  for (PetscInt a = 0; a < (body->dim == 2 ? 1 : 3); a++) values[3 + a] = at[block + a];
+  for (PetscInt a = 0; a < MpmRotationCount(body->dim); a++) values[3 + a] = at[block + a];
   MpmRigidIncrementMake(body, values, q);
 }
 
@@ -263,16 +262,6 @@ static void ConjugateChange(const MpmRigidBody *body, const MpmRigidIncrement *q
   for (PetscInt a = 0; a < 3; a++) result[a] += across[a];
 }
 
-/* The axis of a rotation's unknown: in 2D there is one. */
-static PetscInt RotationAxis(const MpmRigidBody *body, PetscInt component)
-{
-  return body->dim == 2 ? 2 : component;
-}
-static PetscInt RotationCount(const MpmRigidBody *body)
-{
-  return body->dim == 2 ? 1 : 3;
-}
-
 /* Derivatives by unit directions: component c of the nodes, the translation or the rotation. */
 static void Direction(const MpmRigidBody *body, const MpmRigidIncrement *q, const PetscReal y[3],
                       const MpmFacetLaw *answer, PetscInt by, PetscInt c, MpmRigidAnswer *coupled)
@@ -281,7 +270,7 @@ static void Direction(const MpmRigidBody *body, const MpmRigidIncrement *q, cons
 
   if (by == 0) du[c] = 1.;
   if (by == 1) du[c] = -1.; /* of u - t */
-  if (by == 2) dr[RotationAxis(body, c)] = 0.5 / body->freedom->size;
+  if (by == 2) dr[MpmRotationAxis(body->dim, c)] = 0.5 / body->freedom->size;
   Cross(q->r, dr, dphi);
   for (PetscInt a = 0; a < 3; a++) dphi[a] = q->scale * (dr[a] + dphi[a]);
   Cross(dphi, y, xi);
@@ -297,7 +286,8 @@ static void Direction(const MpmRigidBody *body, const MpmRigidIncrement *q, cons
     coupled->derivative[0][a][by][c] = -df[a];
     coupled->derivative[1][a][by][c] = df[a];
   }
-  for (PetscInt a = 0; a < RotationCount(body); a++) coupled->derivative[2][a][by][c] = dw[RotationAxis(body, a)];
+  for (PetscInt a = 0; a < MpmRotationCount(body->dim); a++)
+    coupled->derivative[2][a][by][c] = dw[MpmRotationAxis(body->dim, a)];
 }
 
 void MpmRigidArmAfter(const MpmRigidBody *body, const MpmFacet *facet, const MpmRigidIncrement *q, const PetscReal u[],
@@ -318,10 +308,10 @@ void MpmRigidCouple(const MpmRigidBody *body, const MpmFacet *facet, const MpmRi
   for (PetscInt a = 0; a < 3; a++) {
     coupled->residual[0][a] = -answer->force[a];
     coupled->residual[1][a] = answer->force[a];
-    coupled->residual[2][a] = a < RotationCount(body) ? w[RotationAxis(body, a)] : 0.;
+    coupled->residual[2][a] = a < MpmRotationCount(body->dim) ? w[MpmRotationAxis(body->dim, a)] : 0.;
   }
   for (PetscInt by = 0; by < 3 && derivative; by++)
-    for (PetscInt c = 0; c < (by < 2 ? body->dim : RotationCount(body)); c++)
+    for (PetscInt c = 0; c < (by < 2 ? body->dim : MpmRotationCount(body->dim)); c++)
       Direction(body, q, y, answer, by, c, coupled);
 }
 
@@ -334,14 +324,14 @@ void MpmRigidLoad(const MpmRigidBody *body, const MpmRigidIncrement *q, PetscRea
   Conjugate(body, q, body->moment, PETSC_TRUE, w);
   for (PetscInt a = 0; a < 3; a++) {
     residual[0][a] = -body->load[a];
-    residual[1][a] = a < RotationCount(body) ? -w[RotationAxis(body, a)] : 0.;
+    residual[1][a] = a < MpmRotationCount(body->dim) ? -w[MpmRotationAxis(body->dim, a)] : 0.;
   }
-  for (PetscInt c = 0; c < RotationCount(body); c++) {
+  for (PetscInt c = 0; c < MpmRotationCount(body->dim); c++) {
     PetscReal dr[3] = {0., 0., 0.};
 
-    dr[RotationAxis(body, c)] = 0.5 / body->freedom->size;
+    dr[MpmRotationAxis(body->dim, c)] = 0.5 / body->freedom->size;
     ConjugateChange(body, q, body->moment, dr, none, w);
-    for (PetscInt a = 0; a < RotationCount(body); a++) derivative[a][c] = -w[RotationAxis(body, a)];
+    for (PetscInt a = 0; a < MpmRotationCount(body->dim); a++) derivative[a][c] = -w[MpmRotationAxis(body->dim, a)];
   }
 }
 
@@ -354,7 +344,7 @@ void MpmRigidCovector(const MpmRigidBody *body, const MpmRigidIncrement *q, cons
   Conjugate(body, q, across, rows, w);
   for (PetscInt a = 0; a < 3; a++) {
     by[0][a] = -c[a];
-    by[1][a] = a < RotationCount(body) ? -w[RotationAxis(body, a)] : 0.;
+    by[1][a] = a < MpmRotationCount(body->dim) ? -w[MpmRotationAxis(body->dim, a)] : 0.;
   }
 }
 
@@ -367,7 +357,7 @@ void MpmRigidMode(const MpmRigidBody *body, const PetscReal origin[], const Pets
   Cross(turn, arm, mode[0]);
   for (PetscInt a = 0; a < 3; a++) mode[0][a] += along[a];
   for (PetscInt a = 0; a < 3; a++)
-    mode[1][a] = a < RotationCount(body) ? body->freedom->size * turn[RotationAxis(body, a)] : 0.;
+    mode[1][a] = a < MpmRotationCount(body->dim) ? body->freedom->size * turn[MpmRotationAxis(body->dim, a)] : 0.;
 }
 
 PetscErrorCode MpmRigidAddRows(const MpmBoundaries *boundaries, MpmPlacement placements[], MpmRows *rows)

@@ -90,12 +90,11 @@ PetscErrorCode MpmFrictionRead(const MpmOptions *block, PetscReal *friction, Pet
 }
 
 /* How it holds the material. */
-static PetscErrorCode ReadMethod(const MpmOptions *block, const char *name, MpmBoundary *boundary)
+static PetscErrorCode ReadMethod(const MpmOptions *block, MpmBoundary *boundary)
 {
   static const char *const methods[] = {"penalty", "augmented", NULL};
   PetscReal                share     = 1e-8;
   PetscInt                 augmented = 0;
-  char                     field[256];
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsWord(block, "method",
@@ -107,8 +106,25 @@ static PetscErrorCode ReadMethod(const MpmOptions *block, const char *name, MpmB
   PetscCall(MpmOptionsReal(block, "penetration", "of its size", "mean depth in a cell that method augmented leaves",
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &share, NULL));
   boundary->penetration = share * MpmBoundarySize(boundary);
-  PetscCall(PetscSNPrintf(field, sizeof(field), "pressure_%s", name));
-  PetscCall(PetscStrallocpy(field, &boundary->pressure_field));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Names of the fields in which points keep something of its contact. */
+static PetscErrorCode NameFields(MpmBoundary *boundary, PetscBool tears)
+{
+  char field[256];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(field, sizeof(field), "pressure_%s", boundary->name));
+  if (boundary->augmented) PetscCall(PetscStrallocpy(field, &boundary->fields.pressure));
+  PetscCall(PetscSNPrintf(field, sizeof(field), "held_%s", boundary->name));
+  if (boundary->bilateral) PetscCall(PetscStrallocpy(field, &boundary->fields.gap));
+  PetscCall(PetscSNPrintf(field, sizeof(field), "broken_%s", boundary->name));
+  if (tears) PetscCall(PetscStrallocpy(field, &boundary->fields.broken));
+  for (PetscInt a = 0; boundary->tangential && a < boundary->dim; a++) {
+    PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", boundary->name, "xyz"[a]));
+    PetscCall(PetscStrallocpy(field, &boundary->fields.slip[a]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -116,7 +132,7 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
                                  MpmBoundary *boundary)
 {
   static const char *const contacts[] = {"unilateral", "bilateral", NULL};
-  char                     prefix[256], field[256];
+  char                     prefix[256];
   MpmOptions               block     = {options->comm, prefix, options->record};
   PetscInt                 bilateral = 0;
   PetscBool                tears;
@@ -131,10 +147,10 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   PetscCall(MpmSolidRead(&block, grid->dim, &boundary->solid));
   PetscCall(MpmOptionsBool(&block, "drained",
                            "water passes where the material touches it, at the pressure of open water there, or none",
-                           &boundary->drained, NULL));
+                           &boundary->water.drained, NULL));
   PetscCall(MpmOptionsReal(&block, "pressure", "Pa", "water passes where the material touches it, at this pressure",
-                           MPM_RANGE_ANY, MPM_OPTIONAL, &boundary->pressure, &boundary->led));
-  MpmCheckInput(!boundary->drained || !boundary->led || MpmOptionsHelp(),
+                           MPM_RANGE_ANY, MPM_OPTIONAL, &boundary->water.pressure, &boundary->water.led));
+  MpmCheckInput(!boundary->water.drained || !boundary->water.led || MpmOptionsHelp(),
                 "-%spressure: a boundary is drained or has a pressure, not both", prefix);
   PetscCall(MpmOptionsWord(&block, "contact", "unilateral: pushes only; bilateral: holds the points at it at the start",
                            contacts, MPM_OPTIONAL, &bilateral, NULL));
@@ -153,18 +169,9 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &boundary->penalty, &boundary->firm));
   PetscCall(ReadMotion(&block, boundary));
   PetscCall(MpmFreedomRead(&block, boundary, &boundary->freedom));
-  PetscCall(ReadMethod(&block, name, boundary));
+  PetscCall(ReadMethod(&block, boundary));
   PetscCall(ReadPoints(options, name, grid, boundary));
-  if (bilateral) {
-    PetscCall(PetscSNPrintf(field, sizeof(field), "held_%s", name));
-    PetscCall(PetscStrallocpy(field, &boundary->gap_field));
-    PetscCall(PetscSNPrintf(field, sizeof(field), "broken_%s", name));
-    if (tears) PetscCall(PetscStrallocpy(field, &boundary->broken_field));
-  }
-  for (PetscInt a = 0; boundary->tangential && a < grid->dim; a++) {
-    PetscCall(PetscSNPrintf(field, sizeof(field), "slip_%s_%c", name, "xyz"[a]));
-    PetscCall(PetscStrallocpy(field, &boundary->slip_field[a]));
-  }
+  PetscCall(NameFields(boundary, tears));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -172,11 +179,11 @@ PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree(boundary->name));
-  PetscCall(PetscFree(boundary->pressure_field));
-  PetscCall(PetscFree(boundary->gap_field));
-  PetscCall(PetscFree(boundary->broken_field));
+  PetscCall(PetscFree(boundary->fields.pressure));
+  PetscCall(PetscFree(boundary->fields.gap));
+  PetscCall(PetscFree(boundary->fields.broken));
   PetscCall(MpmSolidDestroy(&boundary->solid));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(boundary->slip_field[a]));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(boundary->fields.slip[a]));
   PetscCall(MpmRegionDestroy(&boundary->region));
   PetscCall(MpmMotionDestroy(&boundary->motion));
   PetscCall(MpmFreedomDestroy(&boundary->freedom));
