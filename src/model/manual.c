@@ -33,14 +33,16 @@ static const char closing[] =
 PetscErrorCode MpmHelpUsage(MPI_Comm comm, FILE *file)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFPrintf(comm, file,
-                         "usage: talus SCENE.yaml [MORE.yaml ...] [-option value ...]      a run; - reads the scene "
-                         "from stdin\n"
-                         "       mpiexec -n 4 talus SCENE.yaml [-option value ...]         in parallel\n"
-                         "       talus help [TOPIC | -mpm_option]                          part of the manual\n"
-                         "       talus SCENE.yaml -help                                    the options of that scene\n"
-                         "       talus -help, talus -help=json                             all options\n"
-                         "       talus --version                                           version and build\n"));
+  PetscCall(
+    PetscFPrintf(comm, file,
+                 "usage: talus SCENE.yaml [MORE.yaml ...] [-option value ...]      a run; - reads the scene "
+                 "from stdin\n"
+                 "       mpiexec -n 4 talus SCENE.yaml [-option value ...]         in parallel\n"
+                 "       talus check SCENE.yaml                                    sizes, time, first step; no files\n"
+                 "       talus help [TOPIC | -mpm_option]                          part of the manual\n"
+                 "       talus SCENE.yaml -help                                    the options of that scene\n"
+                 "       talus -help, talus -help=json                             all options\n"
+                 "       talus --version                                           version and build\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -7,3 +7,5 @@
 
 /* Where the options of the command line were given; borrowed until the model is destroyed. */
 void MpmModelSetSources(MpmModel model, MpmSources sources);
+/* Prints what a scene comes to, and whether its first step converges; writes no file. `status` of the program. */
+PetscErrorCode MpmModelCheck(MpmModel model, int *status);

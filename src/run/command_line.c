@@ -29,9 +29,9 @@ static int FindTask(const char word[], MpmTask *task)
 int MpmCommandLineRead(int argc, char **argv, MpmCommandLine *line)
 {
   int       next = 1, scenes = 1;
-  const int help = argc > 1 && !strcmp(argv[1], "help");
+  const int help = argc > 1 && !strcmp(argv[1], "help"), check = argc > 1 && !strcmp(argv[1], "check");
 
-  *line       = (MpmCommandLine){.task = help ? MPM_TASK_TOPIC : MPM_TASK_RUN, .count = 1};
+  *line       = (MpmCommandLine){.task = help ? MPM_TASK_TOPIC : check ? MPM_TASK_CHECK : MPM_TASK_RUN, .count = 1};
   line->words = (char **)calloc(2 * (size_t)argc + 2, sizeof(char *));
   if (!line->words) return 1;
   line->words[0] = argv[0];
@@ -39,6 +39,7 @@ int MpmCommandLineRead(int argc, char **argv, MpmCommandLine *line)
     line->topic = argc > 2 ? argv[2] : NULL;
     next        = argc > 2 ? 3 : 2;
   }
+  if (check) next = 2;
   for (int i = next; i < argc; i++) {
     if (argv[i][0] == '-' && argv[i][1]) scenes = 0;
     if (!help && FindTask(argv[i], &line->task)) continue;

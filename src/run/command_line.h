@@ -4,7 +4,7 @@
 */
 #include "base/base.h"
 
-typedef enum { MPM_TASK_RUN, MPM_TASK_HELP, MPM_TASK_TOPIC, MPM_TASK_JSON, MPM_TASK_VERSION } MpmTask;
+typedef enum { MPM_TASK_RUN, MPM_TASK_CHECK, MPM_TASK_HELP, MPM_TASK_TOPIC, MPM_TASK_JSON, MPM_TASK_VERSION } MpmTask;
 
 /* The task that the command line asks for, with its options. */
 typedef struct {

@@ -182,7 +182,7 @@ static PetscErrorCode AnswerQuestions(const MpmCommandLine *line, int *status, P
 
   PetscFunctionBeginUser;
   *answered = PETSC_TRUE;
-  if (line->task != MPM_TASK_RUN) PetscFunctionReturn(MpmPagePrint(PETSC_COMM_WORLD, line));
+  if (line->task > MPM_TASK_CHECK) PetscFunctionReturn(MpmPagePrint(PETSC_COMM_WORLD, line));
   PetscCall(PetscOptionsHasName(NULL, NULL, "-help_petsc", &set));
   if (set) {
     PetscCall(MpmHelpPetsc(PETSC_COMM_WORLD));
@@ -223,8 +223,8 @@ static PetscErrorCode Run(MpmCommandLine *line, ErrorContext *context, int *stat
   }
   if (!help) {
     PetscCall(MpmSignalsCatch());
-    PetscCall(MpmModelSetUp(model));
-    PetscCall(MpmModelRun(model, status));
+    if (line->task == MPM_TASK_CHECK) PetscCall(MpmModelCheck(model, status));
+    else PetscCall(MpmModelRun(model, status));
     PetscCall(MpmSignalsRelease());
   }
   PetscCall(MpmModelDestroy(&model));

@@ -71,6 +71,24 @@ def check_pages(test):
     test.check("topic.none", none.returncode == 2 and "no such topic" in none.stderr and not none.stdout, 1, 1)
 
 
+def check_check(test):
+    """`talus check`: sizes, parts, the first step; no file; a first step that cannot converge, and a wrong scene."""
+    place = test.folder()
+    for ranks in (1, 3):
+        page = call(["mpiexec", "--oversubscribe", "-n", ranks, test.program, "check", COLLAPSE], place)
+        lines = dict((line[:24].strip(), line[25:]) for line in page.stdout.splitlines())
+        right = (lines.get("cells") == "512, 32 x 16", lines.get("points") == "2304", lines.get("unknowns") == "578", "MB" in lines.get("memory", ""),
+                 "40 are planned" in lines.get("time", ""), lines.get("condition base") == "17 nodes", lines.get("load weight") == "2304 points",
+                 lines.get("track top") == "1 point", lines.get("first step") == "converged",
+                 lines.get("body block", "").startswith("2304 points, 64 m2, material soil, x 0.08"))
+        test.check(f"check.{ranks}", sum(right) * (page.returncode == 0), len(right), len(right))
+    fails = call([test.program, "check", COLLAPSE, "-mpm_bcs", "symmetry"], place)
+    test.check("check.unheld", fails.returncode == 3 and "nothing holds" in fails.stdout, 1, 1)
+    wrong = call([test.program, "check", COLLAPSE, "-mpm_grid_cells", "0,0"], place)
+    test.check("check.wrong", wrong.returncode == 2 and "-mpm_grid_cells" in wrong.stderr, 1, 1)
+    test.check("check.files", len(list(place.iterdir())), 0, 0)
+
+
 def check_json(test, options):
     """Every option has all keys; those of a physics name it."""
     by_name = {}
@@ -163,6 +181,7 @@ if __name__ == "__main__":
         ENVIRONMENT["TMPDIR"] = str(run_test.folder())
         check_scenes(run_test)
         check_pages(run_test)
+        check_check(run_test)
         check_json(run_test, json.loads(call([run_test.program, "-help=json"], run_test.folder()).stdout))
         check_schema(run_test, json.loads(must_make(run_test, "schema")))
         check_forms(run_test)
