@@ -18,6 +18,7 @@
 #include "grid/shape.h"
 #include "particles/points.h"
 #include "space/rules.h"
+#include "space/point_shape.h"
 #include "space/space.h"
 #include "facets/facets.h"
 
@@ -73,20 +74,15 @@ static void DomainLine(const MpmRules *rules, const MpmSpace *space, const MpmPo
   for (PetscInt i = 0; i <= last; i++) line[i] = 0.;
   for (PetscInt i = 0; i < axis.line.count; i++) /* rounding may touch a node more than the domain does */
     line[PetscMin(PetscMax(First(space, points, facet, a, &axis) + i, 0), last)] += axis.weight[i];
-  for (PetscInt i = 0; out != 0. && i <= last; i++)
-    line[i] += out * space->shape[0].gradient[(p * space->dim + a) * space->width + i];
+  if (out != 0.) MpmPointAddSlope(space, p, a, last + 1, out, line);
 }
 
 /* Of the point and its gradient. */
 static void PointLine(const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet, PetscInt a,
                       PetscReal line[])
 {
-  const PetscInt   at       = facet->point * space->dim + a;
-  const PetscReal *weight   = &space->shape[0].weight[at * space->width];
-  const PetscReal *gradient = &space->shape[0].gradient[at * space->width];
-
-  for (PetscInt i = 0; i < space->groups[facet->group].count[a]; i++)
-    line[i] = weight[i] + (facet->place[a] - points->x[at]) * gradient[i];
+  MpmPointLine(space, facet->point, a, space->groups[facet->group].count[a],
+               facet->place[a] - points->x[facet->point * space->dim + a], line);
 }
 
 /* Of the polynomials in the point's knot interval. */
@@ -119,7 +115,6 @@ void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints
   const PetscBool domain = MpmShapeHasDomain(rules->shape);
   PetscReal       half[MPM_MAX_DIM];
 
-  line[2][0] = 1.;
   if (domain) (void)MpmSpaceHalfLengths(rules, points, facet->point, half);
   for (PetscInt a = 0; a < space->dim; a++) {
     if (facet->key.round) PointLine(space, points, facet, a, line[a]);

@@ -42,6 +42,13 @@ typedef struct {
   PetscReal rest;               /* pressure of water at rest in the ground, Pa: behind drained ones */
 } MpmSurfaceFace;
 
+/* Faces by groups, with their weights; `weights`: as many have room. */
+typedef struct {
+  PetscInt        count, capacity, weights;
+  MpmSurfaceFace *at;
+  PetscReal      *weight;
+} MpmSurfaceFaceList;
+
 /* Those of this rank's points. */
 typedef struct MpmSurfaceFaces {
   const MpmBodySurfaces *surfaces;
@@ -58,9 +65,7 @@ typedef struct MpmSurfaceFaces {
   PetscReal              open;      /* active fraction of open water in a geostatic stage; otherwise 1 */
   const MpmKernelSet    *kernel;    /* of the physics without means over cells */
   PetscInt               component; /* of a node's unknowns: the pressure; -1: there is none */
-  PetscInt               face_count, face_capacity, weight_capacity;
-  MpmSurfaceFace        *face; /* by groups */
-  PetscReal             *weight;
+  MpmSurfaceFaceList     list;
 } MpmSurfaceFaces;
 
 /* `layout` is that of the scene's physics; tolerances of regions by axis, m. */

@@ -9,10 +9,12 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "particles/selection.h"
+#include "space/point_shape.h"
 #include "space/rules.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "loads/load.h"
+#include "loads/load_weights.h"
 
 /*
   The face of the domains that a traction acts on: an axis and a side, like +y; by default the axis along which the
@@ -229,136 +231,6 @@ static PetscReal Sign(const MpmLoad *load, const MpmSum *sum)
   return load->type == MPM_LOAD_FLUX ? -sum->dt : 1.;
 }
 
-/* The place next to `wanted` in the cell that holds `xi`, both in cells. */
-static PetscReal WithinCell(PetscReal xi, PetscReal wanted)
-{
-  const PetscReal cell = PetscFloorReal(xi);
-
-  return PetscMin(PetscMax(wanted, cell), cell + 1.);
-}
-
-/* A point, and the nodes that it touches. */
-typedef struct {
-  const MpmRules  *rules;
-  const MpmSpace  *space;
-  const MpmPoints *points;
-  const MpmGroup  *group;
-  PetscInt         point;
-} Touched;
-
-/* The shape with which a shape's value at a place is that of the nodal function. */
-static MpmShapeType AtPlace(MpmShapeType shape)
-{
-  if (!MpmShapeHasDomain(shape)) return shape;
-  return shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
-}
-
-/* The point's own weights on each axis, at the group's nodes. */
-static void OwnLines(const Touched *at, PetscReal line[][MPM_MAX_WIDTH])
-{
-  const PetscInt dim = at->space->dim;
-
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-    for (PetscInt i = 0; i < at->group->count[a]; i++)
-      line[a][i] = a < dim ? at->space->shape[0].weight[(at->point * dim + a) * at->space->width + i] : 1.;
-}
-
-/* On one axis, the mean of the nodes' functions at `count` places xi, in cells; between edges. */
-static void LineAt(const Touched *at, PetscInt axis, PetscInt count, const PetscReal xi[], PetscReal line[])
-{
-  const PetscInt  dim   = at->space->dim;
-  const PetscInt  shift = axis == dim - 1 ? MpmSpaceShift(at->space, at->points->part, at->point) : 0;
-  const PetscReal share = 1. / (PetscReal)count;
-  PetscReal       weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
-  MpmShapeLine    there = {.weight = weight, .gradient = unused};
-  PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
-
-  MpmSpaceEdges(at->rules, &at->points->x[at->point * dim], lower, upper);
-  for (PetscInt i = 0; i < at->group->count[axis]; i++) line[i] = 0.;
-  for (PetscInt n = 0; n < count; n++) {
-    const PetscReal inside = PetscMin(PetscMax(xi[n], (PetscReal)lower[axis]), (PetscReal)upper[axis]);
-
-    MpmShapeEvaluate(AtPlace(at->rules->shape), at->rules->edge, inside, 0., lower[axis], upper[axis], &there);
-    for (PetscInt i = 0; i < at->group->count[axis]; i++) {
-      const PetscInt k = at->group->first[axis] + i - there.first - shift;
-
-      if (k >= 0 && k < there.count) line[i] += share * weight[k];
-    }
-  }
-}
-
-static void Product(const MpmGroup *group, PetscReal line[][MPM_MAX_WIDTH], PetscReal weight[])
-{
-  for (PetscInt k = 0; k < group->count[2]; k++)
-    for (PetscInt j = 0; j < group->count[1]; j++)
-      for (PetscInt i = 0; i < group->count[0]; i++) *weight++ = line[0][i] * line[1][j] * line[2][k];
-}
-
-/*
-  Weights of the face's centre instead of the point's: a traction does its work at the face. Shapes without a domain
-  take the point, or the place next to the face's centre between the point's own nodes, which have its mass.
-*/
-static PetscErrorCode FaceWeights(const MpmLoad *load, const Touched *at, PetscReal weight[])
-{
-  const MpmGrid   *grid   = at->rules->grid;
-  const MpmPoints *points = at->points;
-  const PetscInt   dim = grid->dim, axis = load->face_axis, p = at->point;
-  const PetscBool  domain = MpmShapeHasDomain(at->rules->shape);
-  PetscReal        line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], xi;
-
-  PetscFunctionBeginUser;
-  OwnLines(at, line);
-  if (domain || load->at_face) {
-    PetscCheck(!at->rules->stretch(MpmPointF(points, p), U), PETSC_COMM_SELF, PETSC_ERR_FP,
-               "point %" PetscInt_FMT " has no stretch", points->id[p]);
-    xi = (points->x[p * dim + axis] - grid->lower[axis] +
-          (PetscReal)load->face_side * points->half_length[p * dim + axis] * U[axis]) /
-         grid->h[axis];
-    if (!domain) xi = WithinCell((points->x[p * dim + axis] - grid->lower[axis]) / grid->h[axis], xi);
-    LineAt(at, axis, 1, &xi, line[axis]);
-  }
-  Product(at->group, line, weight);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* True where gravity acts on the points by EndWeights(): in motion mass and weight must agree, so that material falls
-   as one. */
-static PetscBool ActsAtEnds(const MpmLoad *load, const MpmRules *rules)
-{
-  return (PetscBool)(load->type == MPM_LOAD_GRAVITY && rules->shape == MPM_SHAPE_GIMP_BSPLINE2 && !rules->dynamic);
-}
-
-/*
-  On the axis most nearly along gravity, the mean of the functions at both ends of the point's domain, instead of that
-  over it.
-
-  The force of a stress sigma_p over a domain of the length 2l on a node is sigma_p (w(y + l) - w(y - l)) times the area
-  across. Summed by parts over a column of domains with a stress linear in y, that is the trapezoidal rule for the
-  integral of w d sigma/dy. With this rule for the weight, too, ground at rest, or with water that rises steadily, has
-  exactly linear stress at its points. The mean over the domain is the integral itself, less by l^2/12 of w's slope at
-  the material's ends: a pair of forces there, which bends the stress of the last rows. (For domains of `gimp` that lie
-  in one cell both agree.)
-*/
-static PetscErrorCode EndWeights(const MpmLoad *load, const Touched *at, PetscReal weight[])
-{
-  const MpmGrid *grid = at->rules->grid;
-  const PetscInt dim = grid->dim, p = at->point;
-  PetscReal      line[MPM_MAX_DIM][MPM_MAX_WIDTH], half[MPM_MAX_DIM], ends[2];
-  PetscInt       axis = 0;
-
-  PetscFunctionBeginUser;
-  PetscCheck(MpmSpaceHalfLengths(at->rules, at->points, p, half), PETSC_COMM_SELF, PETSC_ERR_FP,
-             "point %" PetscInt_FMT " has no stretch", at->points->id[p]);
-  for (PetscInt a = 1; a < dim; a++)
-    if (PetscAbsReal(load->value[a]) > PetscAbsReal(load->value[axis])) axis = a;
-  for (PetscInt s = 0; s < 2; s++)
-    ends[s] = (at->points->x[p * dim + axis] - grid->lower[axis]) / grid->h[axis] + (s ? half[axis] : -half[axis]);
-  OwnLines(at, line);
-  LineAt(at, axis, 2, ends, line[axis]);
-  Product(at->group, line, weight);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 void MpmLoadsGetVertical(const MpmLoads *loads, PetscInt dim, PetscInt *axis, PetscInt *up)
 {
   PetscReal most = 0.;
@@ -380,38 +252,37 @@ void MpmLoadsGetVertical(const MpmLoads *loads, PetscInt dim, PetscInt *axis, Pe
 PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRules *rules, const MpmSum *sum,
                             MpmParticles *particles, PetscReal force[])
 {
-  const MpmSpace  *space  = sum->space;
-  const MpmPoints *points = sum->points;
-  const PetscInt   dim = space->dim, bs = sum->block, most = PetscPowInt(space->width, dim);
-  const PetscInt   numbers = load->type == MPM_LOAD_FLUX ? 1 : dim;
-  PetscReal       *share   = NULL, *storage;
+  const MpmSpace  *space   = sum->space;
+  const MpmPoints *points  = sum->points;
+  const PetscInt   numbers = load->type == MPM_LOAD_FLUX ? 1 : space->dim;
+  PetscReal       *share   = NULL, *weight;
   MpmBasis         basis;
 
   PetscFunctionBeginUser;
   if (factor == 0.) PetscFunctionReturn(PETSC_SUCCESS);
   if (load->share_field) PetscCall(MpmParticlesGetField(particles, load->share_field, &share));
-  PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
-  for (PetscInt b = 0; b <= dim; b++) basis.basis[b] = storage + most * b;
+  PetscCall(MpmPointBasisCreate(space, &basis));
+  weight = MpmBasisWeights(&basis);
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
     const PetscInt *nodes = &space->group_nodes[group->node_offset];
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt  p  = space->order[s];
-      const Touched   at = {rules, space, points, group, p};
-      const PetscReal amount =
+      const PetscInt   p  = space->order[s];
+      const MpmTouched at = {rules, space, points, group, p};
+      const PetscReal  amount =
         Sign(load, sum) * factor * (share ? share[p] : MpmPointMassStart(points, sum->materials, p));
 
       if (amount == 0.) continue;
-      if (load->type == MPM_LOAD_TRACTION) PetscCall(FaceWeights(load, &at, basis.basis[0]));
-      else if (ActsAtEnds(load, rules)) PetscCall(EndWeights(load, &at, basis.basis[0]));
+      if (load->type == MPM_LOAD_TRACTION) PetscCall(MpmLoadFaceWeights(load, &at, weight));
+      else if (MpmLoadActsAtEnds(load, rules)) PetscCall(MpmLoadEndWeights(load, &at, weight));
       else MpmSpaceEvaluate(space, group, p, &basis);
       for (PetscInt i = 0; i < group->node_count; i++)
         for (PetscInt a = 0; a < numbers; a++)
-          force[nodes[i] * bs + Unknown(load, sum, a)] += amount * basis.basis[0][i] * load->value[a];
+          force[nodes[i] * sum->block + Unknown(load, sum, a)] += amount * weight[i] * load->value[a];
     }
   }
-  PetscCall(PetscFree(storage));
+  PetscCall(MpmPointBasisDestroy(&basis));
   if (share) PetscCall(MpmParticlesRestoreField(particles, &share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -420,58 +291,24 @@ PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal tim
 {
   const MpmSpace  *space  = sum->space;
   const MpmPoints *points = sum->points;
-  const PetscInt   dim = space->dim, bs = sum->block, most = PetscPowInt(space->width, dim);
-  PetscReal       *storage, value[MPM_MAX_DIM];
+  PetscReal        value[MPM_MAX_DIM];
   MpmBasis         basis;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
-  for (PetscInt b = 0; b <= dim; b++) basis.basis[b] = storage + most * b;
+  PetscCall(MpmPointBasisCreate(space, &basis));
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
-    const PetscInt *nodes = &space->group_nodes[group->node_offset];
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
       const PetscInt p = space->order[s];
 
-      PetscCall((*function)(dim, time, &points->x0[p * dim], value, ctx));
+      PetscCall((*function)(space->dim, time, &points->x0[p * space->dim], value, ctx));
       MpmSpaceEvaluate(space, group, p, &basis);
-      for (PetscInt i = 0; i < group->node_count; i++)
-        for (PetscInt a = 0; a < dim; a++)
-          force[nodes[i] * bs + a] += points->volume0[p] * basis.basis[0][i] * value[a];
+      MpmWeightsAdd(MpmBasisWeights(&basis), group, sum, points->volume0[p], value, force);
     }
   }
-  PetscCall(PetscFree(storage));
+  PetscCall(MpmPointBasisDestroy(&basis));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The two axes of a stress' fields. */
-static const PetscInt pair[6][2] = {{0, 0}, {1, 1}, {0, 1}, {2, 2}, {1, 2}, {0, 2}};
-
-/* Weight of a point, N; its stress, Pa, and volume, m3; 1 over its radius, 1/m, or 0. */
-typedef struct {
-  PetscReal weight[MPM_MAX_DIM], stress[6], volume, hoop;
-} Burden;
-
-/* One point's forces at the nodes of its group. */
-static void AddPoint(const MpmSum *sum, const MpmBasis *basis, const MpmGroup *group, const Burden *burden,
-                     PetscReal force[])
-{
-  const PetscInt  dim   = sum->space->dim;
-  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
-
-  for (PetscInt i = 0; i < group->node_count; i++) {
-    PetscReal *at = &force[nodes[i] * sum->block];
-
-    for (PetscInt a = 0; a < dim; a++) at[a] += burden->weight[a] * basis->basis[0][i];
-    for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) {
-      const PetscInt a = pair[c][0], b = pair[c][1];
-
-      at[a] -= burden->volume * burden->stress[c] * basis->basis[1 + b][i];
-      if (a != b) at[b] -= burden->volume * burden->stress[c] * basis->basis[1 + a][i];
-    }
-    if (burden->hoop > 0.) at[0] -= burden->volume * burden->stress[3] * burden->hoop * basis->basis[0][i];
-  }
 }
 
 PetscErrorCode MpmLoadApplyPoints(const MpmSum *sum, PetscReal part, const PetscReal mass[],
@@ -479,27 +316,24 @@ PetscErrorCode MpmLoadApplyPoints(const MpmSum *sum, PetscReal part, const Petsc
 {
   const MpmSpace  *space  = sum->space;
   const MpmPoints *points = sum->points;
-  const PetscInt   dim = space->dim, most = PetscPowInt(space->width, dim);
-  PetscReal       *storage;
+  const PetscInt   dim = space->dim, components = MpmSpaceIsAxial(space) ? 4 : dim * (dim + 1) / 2;
   MpmBasis         basis;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((most * (dim + 1)), &storage));
-  for (PetscInt b = 0; b <= dim; b++) basis.basis[b] = storage + most * b;
+  PetscCall(MpmPointBasisCreate(space, &basis));
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt p      = space->order[s];
-      Burden         burden = {.volume = part * points->volume0[p] * MpmPointJ(points, p),
-                               .hoop   = space->shape[0].hoop ? space->shape[0].hoop[p] : 0.};
+      const PetscInt p   = space->order[s];
+      MpmPointForce  own = {.volume = part * points->volume0[p] * MpmPointJ(points, p)};
 
-      for (PetscInt a = 0; a < dim; a++) burden.weight[a] = part * mass[p] * points->mass[p] * sum->gravity[a];
-      for (PetscInt c = 0; c < (space->shape[0].hoop ? 4 : dim * (dim + 1) / 2); c++) burden.stress[c] = stress[c][p];
+      for (PetscInt a = 0; a < dim; a++) own.body[a] = part * mass[p] * points->mass[p] * sum->gravity[a];
+      for (PetscInt c = 0; c < components; c++) own.stress[c] = stress[c][p];
       MpmSpaceEvaluate(space, group, p, &basis);
-      AddPoint(sum, &basis, group, &burden, force);
+      MpmPointAddForce(sum, &basis, group, p, &own, force);
     }
   }
-  PetscCall(PetscFree(storage));
+  PetscCall(MpmPointBasisDestroy(&basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

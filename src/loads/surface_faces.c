@@ -12,6 +12,7 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/rules.h"
+#include "space/point_shape.h"
 #include "space/space.h"
 #include "bc/bc.h"
 #include "contact/contact.h"
@@ -32,8 +33,8 @@ PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree4(faces->factor, faces->pressure, faces->outflow, faces->first));
-  PetscCall(PetscFree(faces->face));
-  PetscCall(PetscFree(faces->weight));
+  PetscCall(PetscFree(faces->list.at));
+  PetscCall(PetscFree(faces->list.weight));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -70,21 +71,19 @@ static void FaceWeights(const MpmRules *rules, const MpmSpace *space, const MpmP
   PetscReal       line[MPM_MAX_DIM][MPM_MAX_WIDTH];
 
   MpmFacetLines(rules, space, points, facet, line);
-  for (PetscInt k = 0; k < group->count[2]; k++)
-    for (PetscInt j = 0; j < group->count[1]; j++)
-      for (PetscInt i = 0; i < group->count[0]; i++) *weight++ = line[0][i] * line[1][j] * line[2][k];
+  MpmLinesMultiply(space->dim, group, line, weight);
 }
 
 static PetscErrorCode Reserve(MpmSurfaceFaces *faces, PetscInt weights)
 {
   PetscFunctionBeginUser;
-  if (faces->face_count == faces->face_capacity) {
-    faces->face_capacity = 2 * faces->face_capacity + 64;
-    PetscCall(PetscRealloc((size_t)faces->face_capacity * sizeof(MpmSurfaceFace), &faces->face));
+  if (faces->list.count == faces->list.capacity) {
+    faces->list.capacity = 2 * faces->list.capacity + 64;
+    PetscCall(PetscRealloc((size_t)faces->list.capacity * sizeof(MpmSurfaceFace), &faces->list.at));
   }
-  if (weights > faces->weight_capacity) {
-    faces->weight_capacity = 2 * weights + 1024;
-    PetscCall(PetscRealloc((size_t)faces->weight_capacity * sizeof(PetscReal), &faces->weight));
+  if (weights > faces->list.weights) {
+    faces->list.weights = 2 * weights + 1024;
+    PetscCall(PetscRealloc((size_t)faces->list.weights * sizeof(PetscReal), &faces->list.weight));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -228,16 +227,16 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
       continue;
     if (faces->surfaces->at[surface].held) held |= bit;
     PetscCall(Reserve(faces, *used + nodes));
-    FaceWeights(rules, space, points, &facet, &faces->weight[*used]);
-    faces->face[faces->face_count] =
+    FaceWeights(rules, space, points, &facet, &faces->list.weight[*used]);
+    faces->list.at[faces->list.count] =
       (MpmSurfaceFace){.surface = surface, .point = p, .group = start->group, .weight = *used};
     part *= MpmTurn(points->F_size, facet.place[0]);
     for (PetscInt a = 0; a < dim; a++) {
-      faces->face[faces->face_count].place[a]    = facet.place[a];
-      faces->face[faces->face_count].area[a]     = part * area[a];
-      faces->face[faces->face_count].per_area[a] = part * area[a] / volume;
+      faces->list.at[faces->list.count].place[a]    = facet.place[a];
+      faces->list.at[faces->list.count].area[a]     = part * area[a];
+      faces->list.at[faces->list.count].per_area[a] = part * area[a] / volume;
     }
-    faces->face_count++;
+    faces->list.count++;
     *used += nodes;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -250,7 +249,7 @@ PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPo
   PetscInt        *outer, used = 0;
 
   PetscFunctionBeginUser;
-  faces->face_count = 0;
+  faces->list.count = 0;
   for (PetscInt k = 0; k < faces->surfaces->count; k++) any = (PetscBool)(any || faces->acting[k].active);
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(points->count, &outer));

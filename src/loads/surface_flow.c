@@ -62,7 +62,7 @@ static void Begin(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, cons
   const MpmKnown  known = KnownGeneral(sum->layout, group);
 
   flow->group  = group;
-  flow->weight = &faces->weight[face->weight];
+  flow->weight = &faces->list.weight[face->weight];
   MpmSumGather(known, sum, group, u, flow->work.values);
   MpmSumBasis(known, sum->space, face->point, PETSC_TRUE, &flow->work.basis);
   MpmSumInputs(known, sum->layout, flow->work.values, &flow->work.basis, flow->input);
@@ -192,7 +192,8 @@ static PetscReal AtRest(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face
 
   if (!sum->still.pressure || !faces->surfaces->at[face->surface].drained) return 0.;
   for (PetscInt i = 0; i < group->node_count; i++)
-    pressure += faces->weight[face->weight + i] * sum->still.pressure[sum->space->group_nodes[group->node_offset + i]];
+    pressure +=
+      faces->list.weight[face->weight + i] * sum->still.pressure[sum->space->group_nodes[group->node_offset + i]];
   return faces->open * pressure;
 }
 
@@ -202,10 +203,10 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
 
   PetscFunctionBeginUser;
   if (!step->sum->first) PetscCall(PetscArrayzero(faces->first, faces->surfaces->count));
-  for (PetscInt k = 0; k < faces->face_count; k++) {
-    faces->face[k].water = OpenWater(faces, &faces->face[k], step->rules->time);
-    faces->face[k].rest  = AtRest(faces, &faces->face[k], step->sum);
-    if (IsHeld(faces, &faces->face[k])) PetscCall(PrepareFace(faces, step->sum, &faces->face[k]));
+  for (PetscInt k = 0; k < faces->list.count; k++) {
+    faces->list.at[k].water = OpenWater(faces, &faces->list.at[k], step->rules->time);
+    faces->list.at[k].rest  = AtRest(faces, &faces->list.at[k], step->sum);
+    if (IsHeld(faces, &faces->list.at[k])) PetscCall(PrepareFace(faces, step->sum, &faces->list.at[k]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -219,10 +220,10 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   Flow                   flow;
 
   PetscFunctionBeginUser;
-  if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmWorkspaceCreate(sum, &flow.work));
-  for (PetscInt k = 0; k < faces->face_count; k++) {
-    const MpmSurfaceFace *face = &faces->face[k];
+  for (PetscInt k = 0; k < faces->list.count; k++) {
+    const MpmSurfaceFace *face = &faces->list.at[k];
 
     if (!IsHeld(faces, face)) continue;
     Begin(faces, face, sum, u, &flow);
@@ -241,10 +242,10 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   Flow                   flow;
 
   PetscFunctionBeginUser;
-  if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmWorkspaceCreate(sum, &flow.work));
-  for (PetscInt k = 0; k < faces->face_count; k++) {
-    const MpmSurfaceFace *face = &faces->face[k];
+  for (PetscInt k = 0; k < faces->list.count; k++) {
+    const MpmSurfaceFace *face = &faces->list.at[k];
 
     if (!IsHeld(faces, face)) continue;
     Begin(faces, face, sum, u, &flow);
@@ -267,10 +268,10 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 
   PetscFunctionBeginUser;
   (void)failed;
-  if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmWorkspaceCreate(sum, &flow.work));
-  for (PetscInt k = 0; k < faces->face_count; k++) {
-    const MpmSurfaceFace *face  = &faces->face[k];
+  for (PetscInt k = 0; k < faces->list.count; k++) {
+    const MpmSurfaceFace *face  = &faces->list.at[k];
     const PetscInt       *nodes = &sum->space->group_nodes[sum->space->groups[face->group].node_offset];
 
     if (!IsHeld(faces, face)) continue;
@@ -318,12 +319,12 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   Flow                   flow;
 
   PetscFunctionBeginUser;
-  if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
   if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
   PetscCall(MpmWorkspaceCreate(sum, &flow.work));
   PetscCall(PetscMalloc1((most * most), &element));
-  for (PetscInt k = 0; k < faces->face_count; k++) {
-    const MpmSurfaceFace *face = &faces->face[k];
+  for (PetscInt k = 0; k < faces->list.count; k++) {
+    const MpmSurfaceFace *face = &faces->list.at[k];
 
     if (!IsHeld(faces, face)) continue;
     Begin(faces, face, sum, u, &flow);
@@ -346,8 +347,8 @@ static PetscErrorCode FindOutflow(MpmSurfaceFaces *faces, const MpmSum *sum, con
   PetscFunctionBeginUser;
   PetscCall(PetscArrayzero(faces->outflow, faces->surfaces->count));
   PetscCall(MpmWorkspaceCreate(sum, &flow.work));
-  for (PetscInt k = 0; k < faces->face_count; k++) {
-    const MpmSurfaceFace *face = &faces->face[k];
+  for (PetscInt k = 0; k < faces->list.count; k++) {
+    const MpmSurfaceFace *face = &faces->list.at[k];
 
     if (!IsHeld(faces, face)) continue;
     Begin(faces, face, sum, u, &flow);
@@ -387,12 +388,12 @@ PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *
 {
   PetscFunctionBeginUser;
   PetscCall(PetscArrayzero(mark, space->local));
-  for (PetscInt k = 0; k < faces->face_count; k++) {
-    const MpmSurfaceFace *face  = &faces->face[k];
+  for (PetscInt k = 0; k < faces->list.count; k++) {
+    const MpmSurfaceFace *face  = &faces->list.at[k];
     const MpmGroup       *group = &space->groups[face->group];
 
     for (PetscInt i = 0; IsHeld(faces, face) && i < group->node_count; i++)
-      if (faces->weight[face->weight + i] != 0.) mark[space->group_nodes[group->node_offset + i]] = 1.;
+      if (faces->list.weight[face->weight + i] != 0.) mark[space->group_nodes[group->node_offset + i]] = 1.;
   }
   PetscCall(MpmSpaceAddToOwners(space, 1, mark));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -12,6 +12,7 @@
 
   is not symmetric.
 */
+#include "space/point_shape.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "assembly/sparsity.h"
@@ -20,20 +21,9 @@
 
 /* The basis functions of a face's point, and the force on the face with its derivative by dF. */
 typedef struct {
-  PetscReal *storage;
-  MpmBasis   basis;
-  PetscReal  force[3], by_gradient[3][3][3]; /* d force[i]/d dF[k][l] */
+  MpmBasis  basis;
+  PetscReal force[3], by_gradient[3][3][3]; /* d force[i]/d dF[k][l] */
 } Work;
-
-static PetscErrorCode WorkCreate(const MpmSum *sum, Work *work)
-{
-  const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim);
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((n * MpmBasisCount(sum->space)), &work->storage));
-  MpmBasisPlace(sum->space, n, work->storage, &work->basis);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /*
   gradient[c][d] = sum_i u_i,c grad_d w_i at the face's point, whose basis functions are written to `work`; and with
@@ -43,18 +33,12 @@ static void Gradient(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
                      Work *work, PetscReal gradient[3][3])
 {
   const MpmGroup *group = &sum->space->groups[face->group];
-  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset], dim = sum->space->dim;
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
 
   MpmSpaceEvaluate(sum->space, group, face->point, &work->basis);
-  for (PetscInt c = 0; c < 3; c++) {
-    for (PetscInt d = 0; d < 3; d++) {
-      gradient[c][d] = 0.;
-      for (PetscInt i = 0; c < dim && d < dim && i < group->node_count; i++)
-        gradient[c][d] += work->basis.basis[1 + d][i] * u[nodes[i] * sum->block + c];
-    }
-  }
-  for (PetscInt i = 0; sum->space->shape[0].hoop && i < group->node_count; i++)
-    gradient[2][2] += faces->weight[face->weight + i] / face->place[0] * u[nodes[i] * sum->block];
+  MpmBasisGradient(&work->basis, group, sum, u, gradient);
+  for (PetscInt i = 0; MpmSpaceIsAxial(sum->space) && i < group->node_count; i++)
+    gradient[2][2] += faces->list.weight[face->weight + i] / face->place[0] * u[nodes[i] * sum->block];
 }
 
 /* e_ijk */
@@ -125,31 +109,25 @@ static PetscBool IsLoaded(const MpmSurfaceFaces *faces, const MpmSurfaceFace *fa
 static void AddForce(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum,
                      const PetscReal force[], PetscReal y[])
 {
-  const MpmGroup  *group  = &sum->space->groups[face->group];
-  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
-  const PetscReal *weight = &faces->weight[face->weight];
-  const PetscInt   dim    = sum->space->dim;
-
-  for (PetscInt i = 0; i < group->node_count; i++)
-    for (PetscInt c = 0; c < dim; c++) y[nodes[i] * sum->block + c] -= weight[i] * force[c];
+  MpmWeightsAdd(&faces->list.weight[face->weight], &sum->space->groups[face->group], sum, -1., force, y);
 }
 
 static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                PetscInt *failed)
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
-  Work                   work  = {.storage = NULL};
+  Work                   work;
 
   PetscFunctionBeginUser;
   (void)failed;
-  if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(WorkCreate(sum, &work));
-  for (PetscInt k = 0; k < faces->face_count; k++) {
-    if (!IsLoaded(faces, &faces->face[k])) continue;
-    Evaluate(faces, &faces->face[k], sum, u, &work);
-    AddForce(faces, &faces->face[k], sum, work.force, residual);
+  if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPointBasisCreate(sum->space, &work.basis));
+  for (PetscInt k = 0; k < faces->list.count; k++) {
+    if (!IsLoaded(faces, &faces->list.at[k])) continue;
+    Evaluate(faces, &faces->list.at[k], sum, u, &work);
+    AddForce(faces, &faces->list.at[k], sum, work.force, residual);
   }
-  PetscCall(PetscFree(work.storage));
+  PetscCall(MpmPointBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -157,24 +135,24 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
                             PetscReal y[])
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
-  Work                   work  = {.storage = NULL};
+  Work                   work;
 
   PetscFunctionBeginUser;
-  if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(WorkCreate(sum, &work));
-  for (PetscInt f = 0; f < faces->face_count; f++) {
+  if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPointBasisCreate(sum->space, &work.basis));
+  for (PetscInt f = 0; f < faces->list.count; f++) {
     PetscReal change[3][3], force[3];
 
-    if (!IsLoaded(faces, &faces->face[f])) continue;
-    Evaluate(faces, &faces->face[f], sum, u, &work);
-    Gradient(faces, &faces->face[f], sum, du, &work, change);
+    if (!IsLoaded(faces, &faces->list.at[f])) continue;
+    Evaluate(faces, &faces->list.at[f], sum, u, &work);
+    Gradient(faces, &faces->list.at[f], sum, du, &work, change);
     for (PetscInt i = 0; i < 3; i++) {
       force[i] = 0.;
       for (PetscInt kl = 0; kl < 9; kl++) force[i] += work.by_gradient[i][kl / 3][kl % 3] * change[kl / 3][kl % 3];
     }
-    AddForce(faces, &faces->face[f], sum, force, y);
+    AddForce(faces, &faces->list.at[f], sum, force, y);
   }
-  PetscCall(PetscFree(work.storage));
+  PetscCall(MpmPointBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -183,11 +161,10 @@ static PetscReal Entry(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face,
                        PetscInt i, PetscInt cd, PetscInt j)
 {
   const PetscInt   dim = sum->space->dim, c = cd / dim, d = cd % dim;
-  const PetscReal *weight = &faces->weight[face->weight];
-  PetscReal        value  = 0.;
+  const PetscReal *weight = &faces->list.weight[face->weight];
+  PetscReal        value  = MpmBasisSlope(&work->basis, dim, j, work->by_gradient[c][d]);
 
-  for (PetscInt l = 0; l < dim; l++) value += work->by_gradient[c][d][l] * work->basis.basis[1 + l][j];
-  if (sum->space->shape[0].hoop && !d) value += work->by_gradient[c][2][2] * weight[j] / face->place[0];
+  if (MpmSpaceIsAxial(sum->space) && !d) value += work->by_gradient[c][2][2] * weight[j] / face->place[0];
   return -weight[i] * value;
 }
 
@@ -196,14 +173,14 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
   const PetscInt         dim = sum->space->dim, bs = sum->block;
-  Work                   work = {.storage = NULL};
+  Work                   work;
 
   PetscFunctionBeginUser;
   (void)failed;
-  if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(WorkCreate(sum, &work));
-  for (PetscInt f = 0; f < faces->face_count; f++) {
-    const MpmSurfaceFace *face  = &faces->face[f];
+  if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPointBasisCreate(sum->space, &work.basis));
+  for (PetscInt f = 0; f < faces->list.count; f++) {
+    const MpmSurfaceFace *face  = &faces->list.at[f];
     const MpmGroup       *group = &sum->space->groups[face->group];
     const PetscInt       *nodes = &sum->space->group_nodes[group->node_offset];
 
@@ -213,7 +190,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
       for (PetscInt cd = 0; cd < dim * dim; cd++)
         blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] += Entry(faces, face, sum, &work, i, cd, i);
   }
-  PetscCall(PetscFree(work.storage));
+  PetscCall(MpmPointBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -223,15 +200,15 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
   const PetscInt         dim = sum->space->dim, bs = sum->block, most = PetscPowInt(sum->space->width, dim);
   PetscReal             *element;
-  Work                   work = {.storage = NULL};
+  Work                   work;
 
   PetscFunctionBeginUser;
-  if (!faces->face_count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
   if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
-  PetscCall(WorkCreate(sum, &work));
+  PetscCall(MpmPointBasisCreate(sum->space, &work.basis));
   PetscCall(PetscMalloc1((most * most * bs * bs), &element));
-  for (PetscInt f = 0; f < faces->face_count; f++) {
-    const MpmSurfaceFace *face  = &faces->face[f];
+  for (PetscInt f = 0; f < faces->list.count; f++) {
+    const MpmSurfaceFace *face  = &faces->list.at[f];
     const MpmGroup       *group = &sum->space->groups[face->group];
     const PetscInt        n     = group->node_count;
 
@@ -245,13 +222,13 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     MpmPatternAddBlock(pattern, sum->space, group, element);
   }
   PetscCall(PetscFree(element));
-  PetscCall(PetscFree(work.storage));
+  PetscCall(MpmPointBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscBool Idle(const void *ctx)
 {
-  return (PetscBool) !((const MpmSurfaceFaces *)ctx)->face_count;
+  return (PetscBool) !((const MpmSurfaceFaces *)ctx)->list.count;
 }
 
 const MpmTerm MpmTermSurfaces = {.name     = "surfaces of bodies",

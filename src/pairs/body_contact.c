@@ -44,7 +44,7 @@ static void AddDirectForce(const MpmPairContacts *contacts, const MpmPairPatch *
   for (PetscInt s = 0; s < 2; s++) {
     const MpmGroup  *box    = &sum->space->groups[patch->side[s].box];
     const PetscInt  *nodes  = &sum->space->group_nodes[box->node_offset];
-    const PetscReal *weight = &contacts->weight[patch->side[s].weight], sign = s ? -1. : 1.;
+    const PetscReal *weight = &contacts->weights.at[patch->side[s].weight], sign = s ? -1. : 1.;
 
     for (PetscInt i = 0; i < box->node_count; i++) {
       PetscReal arm[3], at_node[3];
@@ -68,7 +68,7 @@ static void AddForce(const MpmPairContacts *contacts, const MpmPairPatch *patch,
   for (PetscInt s = 0; s < 2; s++) {
     const MpmGroup  *box    = &sum->space->groups[patch->side[s].box];
     const PetscInt  *nodes  = &sum->space->group_nodes[box->node_offset];
-    const PetscReal *weight = &contacts->weight[patch->side[s].weight], sign = s ? -1. : 1.;
+    const PetscReal *weight = &contacts->weights.at[patch->side[s].weight], sign = s ? -1. : 1.;
 
     for (PetscInt i = 0; i < box->node_count; i++)
       for (PetscInt a = 0; weight[i] != 0. && a < MPM_PAIR_ROWS; a++)
@@ -147,7 +147,7 @@ static PetscInt NodesOf(const MpmPairContacts *contacts, const MpmPairPatch *pat
     const MpmGroup *box = &sum->space->groups[patch->side[s].box];
 
     for (PetscInt i = 0; i < box->node_count; i++) {
-      const PetscReal w = contacts->weight[patch->side[s].weight + i];
+      const PetscReal w = contacts->weights.at[patch->side[s].weight + i];
 
       if (w == 0.) continue;
       nodes[n]    = sum->space->group_nodes[box->node_offset + i];

@@ -72,6 +72,12 @@ typedef struct {
   PetscReal least, give;
 } MpmPairNewton;
 
+/* Weights of the means of all patches' sides, one behind the other. */
+typedef struct {
+  PetscInt   count;
+  PetscReal *at;
+} MpmPairWeights;
+
 /* Those of this rank. */
 struct MpmPairContacts {
   const MpmPairs  *pairs;
@@ -88,8 +94,7 @@ struct MpmPairContacts {
   MpmPairFacets    facets;
   PetscInt         patch_count, most; /* most: nodes of a patch */
   MpmPairPatch    *patch;
-  PetscInt         weight_count;
-  PetscReal       *weight;
+  MpmPairWeights   weights;
 };
 
 /* Reads friction, penalty and method of a pair's block, and whether water passes where there is any. */

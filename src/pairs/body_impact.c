@@ -108,7 +108,7 @@ static void FindLever(const MpmPairContacts *contacts, const MpmSum *sum, MpmPai
 {
   MpmPairLever    *lever  = &patch->side[s].lever;
   const MpmGroup  *box    = &sum->space->groups[patch->side[s].box];
-  const PetscReal *weight = &contacts->weight[patch->side[s].weight];
+  const PetscReal *weight = &contacts->weights.at[patch->side[s].weight];
   PetscReal        arm[3], middle[3] = {0., 0., 0.}, J[3][3] = {{0.}};
 
   *lever = (MpmPairLever){.turns = PETSC_FALSE};
@@ -161,7 +161,7 @@ static PetscReal Part(const MpmPairContacts *contacts, const MpmPairPatch *patch
     for (PetscInt c = 0; c < 3; c++) square += at_node[c] * at_node[c];
     most = PetscMax(most, square);
   }
-  return PetscAbsReal(contacts->weight[patch->side[s].weight + i]) * PetscSqrtReal(most);
+  return PetscAbsReal(contacts->weights.at[patch->side[s].weight + i]) * PetscSqrtReal(most);
 }
 
 /* Each node of the patches with its part: */
@@ -188,14 +188,14 @@ PetscErrorCode MpmPairsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[
   for (PetscInt k = 0; k < contacts->patch_count; k++) SetLevers(contacts, sum, &contacts->patch[k]);
   FOR_NODES(contacts, sum, k, s, i, node)
   {
-    if (contacts->weight[contacts->patch[k].side[s].weight + i] != 0.)
+    if (contacts->weights.at[contacts->patch[k].side[s].weight + i] != 0.)
       parts[node] += Part(contacts, &contacts->patch[k], s, sum, i);
   }
   PetscCall(MpmSpaceAddToOwners(sum->space, 1, parts));
   PetscCall(MpmSpaceToGhosts(sum->space, 1, parts));
   FOR_NODES(contacts, sum, k, s, i, node)
   {
-    if (contacts->weight[contacts->patch[k].side[s].weight + i] != 0. && mass[node] > 0.)
+    if (contacts->weights.at[contacts->patch[k].side[s].weight + i] != 0. && mass[node] > 0.)
       inverse[k] += Part(contacts, &contacts->patch[k], s, sum, i) * parts[node] / mass[node];
   }
   for (PetscInt k = 0; k < contacts->patch_count; k++) {

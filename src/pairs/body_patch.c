@@ -84,7 +84,7 @@ static void AddTurning(const MpmPairContacts *contacts, const MpmPairPatch *patc
 {
   const MpmGroup  *box       = &sum->space->groups[patch->side[s].box];
   const PetscInt  *nodes     = &sum->space->group_nodes[box->node_offset];
-  const PetscReal *weight    = &contacts->weight[patch->side[s].weight];
+  const PetscReal *weight    = &contacts->weights.at[patch->side[s].weight];
   PetscReal        moment[3] = {0., 0., 0.}, arm[3], way[3] = {0., 0., 0.};
 
   for (PetscInt i = 0; i < box->node_count; i++) {
@@ -104,7 +104,7 @@ void MpmPairRelative(const MpmPairContacts *contacts, const MpmPairPatch *patch,
   for (PetscInt s = 0; s < 2; s++) {
     const MpmGroup  *box    = &sum->space->groups[patch->side[s].box];
     const PetscInt  *nodes  = &sum->space->group_nodes[box->node_offset];
-    const PetscReal *weight = &contacts->weight[patch->side[s].weight], sign = s ? -1. : 1.;
+    const PetscReal *weight = &contacts->weights.at[patch->side[s].weight], sign = s ? -1. : 1.;
 
     for (PetscInt i = 0; i < box->node_count; i++)
       for (PetscInt a = 0; weight[i] != 0. && a < MPM_PAIR_ROWS; a++)

@@ -218,15 +218,15 @@ static PetscErrorCode MakeSides(MpmPairContacts *contacts, MpmSpace *space)
 
   PetscFunctionBeginUser;
   PetscCall(MpmSpaceAppendBoxes(space, 2 * contacts->patch_count, &boxes));
-  contacts->most = contacts->weight_count = 0;
+  contacts->most = contacts->weights.count = 0;
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPairPatch *patch = &contacts->patch[k];
 
     MPM_PAIR_SIDES(patch, f, s) IncludeNodes(&boxes[2 * k + s], &contacts->facets.at[contacts->facets.list[f]]);
     for (PetscInt s = 0; s < 2; s++) {
       patch->side[s].box    = begin + 2 * k + s;
-      patch->side[s].weight = contacts->weight_count;
-      contacts->weight_count += boxes[2 * k + s].node_count;
+      patch->side[s].weight = contacts->weights.count;
+      contacts->weights.count += boxes[2 * k + s].node_count;
     }
     contacts->most = PetscMax(contacts->most, boxes[2 * k].node_count + boxes[2 * k + 1].node_count);
   }
@@ -240,8 +240,8 @@ static PetscErrorCode WeighSides(MpmPairContacts *contacts, const MpmSpace *spac
   const PetscInt dim = space->dim;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscFree(contacts->weight));
-  PetscCall(PetscCalloc1(contacts->weight_count, &contacts->weight));
+  PetscCall(PetscFree(contacts->weights.at));
+  PetscCall(PetscCalloc1(contacts->weights.count, &contacts->weights.at));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPairPatch *patch = &contacts->patch[k];
 
@@ -252,7 +252,7 @@ static PetscErrorCode WeighSides(MpmPairContacts *contacts, const MpmSpace *spac
 
       for (PetscInt a = 0; a < dim; a++) area += patch->normal[a] * facet->area[a];
       AddWeights(dim, facet, &space->groups[patch->side[s].box], PetscAbsReal(area) / patch->side[s].area,
-                 &contacts->weight[patch->side[s].weight]);
+                 &contacts->weights.at[patch->side[s].weight]);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

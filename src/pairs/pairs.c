@@ -84,6 +84,6 @@ PetscErrorCode MpmPairContactsDestroy(MpmPairContacts *contacts)
   PetscCall(PetscFree(contacts->facets.at));
   PetscCall(PetscFree(contacts->facets.list));
   PetscCall(PetscFree(contacts->patch));
-  PetscCall(PetscFree(contacts->weight));
+  PetscCall(PetscFree(contacts->weights.at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,120 @@
+/*
+  Weights with which loads act on the nodes that a point touches: of the centre of a face, or of the ends of its domain.
+*/
+#include "grid/grid.h"
+#include "grid/shape.h"
+#include "particles/points.h"
+#include "space/point_shape.h"
+#include "space/rules.h"
+#include "space/space.h"
+#include "loads/load_weights.h"
+
+/* The place next to `wanted` in the cell that holds `xi`, both in cells. */
+static PetscReal WithinCell(PetscReal xi, PetscReal wanted)
+{
+  const PetscReal cell = PetscFloorReal(xi);
+
+  return PetscMin(PetscMax(wanted, cell), cell + 1.);
+}
+
+/* The shape with which a shape's value at a place is that of the nodal function. */
+static MpmShapeType AtPlace(MpmShapeType shape)
+{
+  if (!MpmShapeHasDomain(shape)) return shape;
+  return shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
+}
+
+/* The point's own weights on each axis, at the group's nodes. */
+static void OwnLines(const MpmTouched *at, PetscReal line[][MPM_MAX_WIDTH])
+{
+  for (PetscInt a = 0; a < at->space->dim; a++) MpmPointLine(at->space, at->point, a, at->group->count[a], 0., line[a]);
+}
+
+/* On one axis, the mean of the nodes' functions at `count` places xi, in cells; between edges. */
+static void LineAt(const MpmTouched *at, PetscInt axis, PetscInt count, const PetscReal xi[], PetscReal line[])
+{
+  const PetscInt  dim   = at->space->dim;
+  const PetscInt  shift = axis == dim - 1 ? MpmSpaceShift(at->space, at->points->part, at->point) : 0;
+  const PetscReal share = 1. / (PetscReal)count;
+  PetscReal       weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
+  MpmShapeLine    there = {.weight = weight, .gradient = unused};
+  PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+  MpmSpaceEdges(at->rules, &at->points->x[at->point * dim], lower, upper);
+  for (PetscInt i = 0; i < at->group->count[axis]; i++) line[i] = 0.;
+  for (PetscInt n = 0; n < count; n++) {
+    const PetscReal inside = PetscMin(PetscMax(xi[n], (PetscReal)lower[axis]), (PetscReal)upper[axis]);
+
+    MpmShapeEvaluate(AtPlace(at->rules->shape), at->rules->edge, inside, 0., lower[axis], upper[axis], &there);
+    for (PetscInt i = 0; i < at->group->count[axis]; i++) {
+      const PetscInt k = at->group->first[axis] + i - there.first - shift;
+
+      if (k >= 0 && k < there.count) line[i] += share * weight[k];
+    }
+  }
+}
+
+/*
+  Weights of the face's centre instead of the point's: a traction does its work at the face. Shapes without a domain
+  take the point, or the place next to the face's centre between the point's own nodes, which have its mass.
+*/
+PetscErrorCode MpmLoadFaceWeights(const MpmLoad *load, const MpmTouched *at, PetscReal weight[])
+{
+  const MpmGrid   *grid   = at->rules->grid;
+  const MpmPoints *points = at->points;
+  const PetscInt   dim = grid->dim, axis = load->face_axis, p = at->point;
+  const PetscBool  domain = MpmShapeHasDomain(at->rules->shape);
+  PetscReal        line[MPM_MAX_DIM][MPM_MAX_WIDTH], U[MPM_MAX_DIM], xi;
+
+  PetscFunctionBeginUser;
+  OwnLines(at, line);
+  if (domain || load->at_face) {
+    PetscCheck(!at->rules->stretch(MpmPointF(points, p), U), PETSC_COMM_SELF, PETSC_ERR_FP,
+               "point %" PetscInt_FMT " has no stretch", points->id[p]);
+    xi = (points->x[p * dim + axis] - grid->lower[axis] +
+          (PetscReal)load->face_side * points->half_length[p * dim + axis] * U[axis]) /
+         grid->h[axis];
+    if (!domain) xi = WithinCell((points->x[p * dim + axis] - grid->lower[axis]) / grid->h[axis], xi);
+    LineAt(at, axis, 1, &xi, line[axis]);
+  }
+  MpmLinesMultiply(dim, at->group, line, weight);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* True where gravity acts on the points by EndWeights(): in motion mass and weight must agree, so that material falls
+   as one. */
+PetscBool MpmLoadActsAtEnds(const MpmLoad *load, const MpmRules *rules)
+{
+  return (PetscBool)(load->type == MPM_LOAD_GRAVITY && rules->shape == MPM_SHAPE_GIMP_BSPLINE2 && !rules->dynamic);
+}
+
+/*
+  On the axis most nearly along gravity, the mean of the functions at both ends of the point's domain, instead of that
+  over it.
+
+  The force of a stress sigma_p over a domain of the length 2l on a node is sigma_p (w(y + l) - w(y - l)) times the area
+  across. Summed by parts over a column of domains with a stress linear in y, that is the trapezoidal rule for the
+  integral of w d sigma/dy. With this rule for the weight, too, ground at rest, or with water that rises steadily, has
+  exactly linear stress at its points. The mean over the domain is the integral itself, less by l^2/12 of w's slope at
+  the material's ends: a pair of forces there, which bends the stress of the last rows. (For domains of `gimp` that lie
+  in one cell both agree.)
+*/
+PetscErrorCode MpmLoadEndWeights(const MpmLoad *load, const MpmTouched *at, PetscReal weight[])
+{
+  const MpmGrid *grid = at->rules->grid;
+  const PetscInt dim = grid->dim, p = at->point;
+  PetscReal      line[MPM_MAX_DIM][MPM_MAX_WIDTH], half[MPM_MAX_DIM], ends[2];
+  PetscInt       axis = 0;
+
+  PetscFunctionBeginUser;
+  PetscCheck(MpmSpaceHalfLengths(at->rules, at->points, p, half), PETSC_COMM_SELF, PETSC_ERR_FP,
+             "point %" PetscInt_FMT " has no stretch", at->points->id[p]);
+  for (PetscInt a = 1; a < dim; a++)
+    if (PetscAbsReal(load->value[a]) > PetscAbsReal(load->value[axis])) axis = a;
+  for (PetscInt s = 0; s < 2; s++)
+    ends[s] = (at->points->x[p * dim + axis] - grid->lower[axis]) / grid->h[axis] + (s ? half[axis] : -half[axis]);
+  OwnLines(at, line);
+  LineAt(at, axis, 2, ends, line[axis]);
+  MpmLinesMultiply(dim, at->group, line, weight);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
