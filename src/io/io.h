@@ -196,6 +196,13 @@ PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary);
    criteria_first and criteria_since, or null. */
 PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *version, const MpmSummary *summary);
 
+/* ---- folder.c ---- */
+
+/* True where the folder of a prefix is there, or can be made, and takes files, as rank 0 sees it. Collective. */
+PetscErrorCode MpmFolderCheck(MPI_Comm comm, const char prefix[], PetscBool *there);
+/* Makes the folder of a prefix, with those above it, on rank 0; fails with PETSC_ERR_FILE_WRITE. Collective. */
+PetscErrorCode MpmFolderMake(MPI_Comm comm, const char prefix[]);
+
 /* ---- checkpoint_file.c ---- */
 
 /*

@@ -341,22 +341,20 @@ static PetscErrorCode ReadDiscretization(MpmModel model, const MpmOptions *optio
 /* The results' folder must be there and take files. */
 static PetscErrorCode CheckPrefix(MpmModel model)
 {
-  char      folder[PETSC_MAX_PATH_LEN] = ".", *slash;
+  char     *slash;
   PetscBool there;
   size_t    length;
 
   PetscFunctionBeginUser;
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(model->scene.prefix[0] && strlen(model->scene.prefix) < sizeof(folder) - 64,
-                "-mpm_output_prefix: must be a name of 1 to %d characters", (int)sizeof(folder) - 65);
+  MpmCheckInput(model->scene.prefix[0] && strlen(model->scene.prefix) < PETSC_MAX_PATH_LEN - 64,
+                "-mpm_output_prefix: must be a name of 1 to %d characters", PETSC_MAX_PATH_LEN - 65);
   slash  = strrchr(model->scene.prefix, '/');
   length = strlen(slash ? slash + 1 : model->scene.prefix);
   MpmCheckInput(length > 0 && length <= 200,
                 "-mpm_output_prefix: the name behind the folder has %d characters, must have 1 to 200", (int)length);
-  if (slash) PetscCall(PetscStrncpy(folder, model->scene.prefix, (size_t)(slash - model->scene.prefix) + 2));
-  PetscCall(PetscTestDirectory(folder, 'w', &there));
-  MpmCheckInput(there, "-mpm_output_prefix %s: the folder %s is not there or cannot be written", model->scene.prefix,
-                folder);
+  PetscCall(MpmFolderCheck(model->comm, model->scene.prefix, &there));
+  MpmCheckInput(there, "-mpm_output_prefix %s: its folder cannot be made or takes no files", model->scene.prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -245,6 +245,7 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
   PetscFunctionBeginUser;
   PetscCall(MpmModelSetUp(model));
   PetscCheck(!model->results->history, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the model has been run");
+  PetscCall(MpmFolderMake(model->comm, model->scene.prefix));
   if (model->laboratory) {
     MpmModelCall(model, MpmLaboratoryRun(model, status));
     PetscFunctionReturn(PETSC_SUCCESS);

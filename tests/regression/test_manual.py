@@ -42,6 +42,8 @@ def check_scenes(test):
     for name, spoilt, message in (("no_yaml", "a: [1", "is no YAML"), ("no_scene", "a: 1", "has no block mpm")):
         run = piped([test.program, "-"], place, spoilt)
         test.check(f"stdin.{name}", run.returncode == 2 and message in run.stderr and run.stderr.count("\n") == 1, 1, 1)
+    made = call([test.program, COLLAPSE, *SHORT, "-mpm_output_prefix", "new/er/run"], place)
+    test.check("folder", made.returncode == 0 and (place / "new" / "er" / "run_summary.json").exists(), 1, 1)
     missing = call([test.program, "nowhere.yaml"], place)
     test.check("missing", missing.returncode == 2 and "nowhere.yaml: the file cannot be read" in missing.stderr, 1, 1)
     test.check("left", len(list(place.glob("talus-stdin*"))), 0, 0)

@@ -568,7 +568,7 @@ CASES = [
     ("largest step below the step", {"mpm_time_adaptive": "true", "mpm_time_step_max": "0.1"}, "-mpm_time_step_max"),
     ("growth that shrinks", {"mpm_time_growth": "0.5"}, "-mpm_time_growth"),
     ("output every minus one steps", {"mpm_output_every": "-1"}, "-mpm_output_every"),
-    ("results in a folder that is not there", {"mpm_output_prefix": "nowhere/bad"}, "-mpm_output_prefix"),
+    ("results in a folder that cannot be made", {"mpm_output_prefix": "/dev/null/bad"}, "-mpm_output_prefix"),
     ("no prefix", {"mpm_output_prefix": ""}, "-mpm_output_prefix"),
     # further than options go
     ("unknown linear solver of PETSc", {"ksp_type": "magic"}, "-ksp_type"),
@@ -677,7 +677,7 @@ TABLES = [
 TWO_RANKS = {"open surface", "surface that is not there", "points with NaN", "points with a short line", "points outside the grid", "file of points without points",
              "stage that removes everything", "unknown option", "nu = 0.5", "region between the points", "load on more points than there are",
              "condition between the nodes", "normal without length", "plane through the body",
-             "boundary for no points", "motion of no points", "results in a folder that is not there", "broken YAML", "option twice"}
+             "boundary for no points", "motion of no points", "results in a folder that cannot be made", "broken YAML", "option twice"}
 
 
 with Test() as test:
