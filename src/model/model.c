@@ -375,10 +375,13 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   char            *view;
 
   PetscFunctionBeginUser;
-  model->results->output_every = 1;
+  model->results->output_every  = 1;
+  model->results->history_every = 1;
   PetscCall(ReadPrefix(model, options, &block));
   PetscCall(MpmOptionsInt(&block, "every", "steps between written states; 0: none but the history and the summary", 0,
                           PETSC_INT_MAX, MPM_OPTIONAL, &model->results->output_every, NULL));
+  PetscCall(MpmOptionsInt(&block, "history", "steps between rows of the history; the last step always has one", 1,
+                          PETSC_INT_MAX, MPM_OPTIONAL, &model->results->history_every, NULL));
   PetscCall(MpmOutputSetFromOptions(model, &block));
   PetscCall(MpmOptionsText(options, "view",
                            "at the end of the run, what the model consists of: alone to the terminal, or ascii:FILE",

@@ -174,7 +174,8 @@ static PetscErrorCode Report(MpmModel model, PetscReal dt)
   char boils[MPM_WATER_TEXT];
 
   PetscFunctionBeginUser;
-  PetscCall(MpmModelWriteHistory(model, dt));
+  if (model->state.step % model->results->history_every == 0 || AtEnd(model))
+    PetscCall(MpmModelWriteHistory(model, dt));
   PetscCall(MpmTerminalStep(model, dt));
   PetscCall(MpmWaterFindTension(model, boils));
   if (boils[0]) PetscCall(MpmTerminalWarn(model, "%s", boils));

@@ -12,9 +12,11 @@
 #include "query/query.h"
 #include "scene/integrator_read.h"
 #include "scene/scene_read.h"
+#include "step/integrator.h"
 #include "observe/results.h"
 
 #define COARSE        3.   /* cells: a boundary with a smaller radius meets too few of them (docs/scene.md) */
+#define LINE_SECONDS  1.   /* wall time between two lines of explicit steps, s */
 #define MEMORY        0.95 /* weight of the sums before this step */
 #define LINES_A_TITLE 50   /* the columns' titles come again, so that a long log can be read anywhere */
 
@@ -151,6 +153,10 @@ PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt)
   terminal->since    = now;
   MpmTerminalDuration(terminal->seconds / terminal->progress * PetscMax(model->state.run_end - model->state.time, 0.),
                       left);
+  if (model->state.scheme.integrator->length && terminal->lines && now - terminal->shown < LINE_SECONDS &&
+      model->state.time < model->state.run_end * (1. - 1e-12))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  terminal->shown = now;
   if (terminal->lines && terminal->lines % LINES_A_TITLE == 0) PetscCall(PrintTitles(model));
   terminal->lines++;
   PetscCall(PetscPrintf(

@@ -31,7 +31,7 @@ typedef struct {
 
 /* Data of earlier steps for a step's line. */
 typedef struct {
-  PetscLogDouble since;             /* the end of the step before */
+  PetscLogDouble since, shown;      /* the end of the step before, and that of the last line */
   PetscReal      seconds, progress; /* wall time and time of the run, fading */
   PetscInt       lines;
 } MpmTerminal;
@@ -60,8 +60,8 @@ PetscErrorCode MpmFieldsWrite(MpmModel model);
 /* Active nodes and cells into the output (grid_fields.c). */
 PetscErrorCode MpmLatticeWrite(MpmModel model);
 struct MpmResults {
-  PetscInt      output_every;
-  PetscInt      output_step; /* of the last written state */
+  PetscInt      output_every, history_every; /* steps */
+  PetscInt      output_step;                 /* of the last written state */
   PetscBool     output_grid, output_single;
   PetscInt      output_field_count; /* 0: all */
   char        **output_fields;

@@ -59,6 +59,11 @@ def check_lines(test):
     cuts = sum(int(match[4]) for match in map(LINE.fullmatch, run.output.splitlines()) if match)
     test.check("cuts", cuts, 1)
     test.check("reasons", run.output.count("the step is cut to"), cuts, cuts)
+    run = test.run(example("dam_break"), mpm_time_end=0.1, mpm_output_every=0, mpm_output_history=50)
+    summary = run.results.summary
+    steps, rows = summary["steps"], list(map(int, run.results.column("step")))
+    test.check("explicit.lines", sum(bool(LINE.fullmatch(line)) for line in run.output.splitlines()), 2, 2 + summary["time_total_s"])
+    test.check("explicit.rows", rows == sorted({*range(50, steps, 50), steps}), 1, 1)
     for ranks in (1, 2):
         run = test.run(example("bar_elastic"), ranks=ranks, mpm_quiet=None, mpm_output_every=0)
         test.check("quiet", len(run.output + (run.errors if ranks == 1 else "")), None, 0)
