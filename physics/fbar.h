@@ -52,8 +52,8 @@ MPM_FN double Dilatancy(const MpmKernelPoint *point, const Tensor *dF, const Ten
 #if MPM_NORMALS == 2
   double b[3], beta;
 
-  if (!point->dilatancy) return 0.;
-  beta = point->dilatancy(point->parameter, point->table, point->state_n, b);
+  if (!point->material.dilatancy) return 0.;
+  beta = point->material.dilatancy(point->material.parameter, point->material.table, point->state_n, b);
   if (beta > 0.) *g = ShearGrowth(b, dF, cofactor, J, dg);
   return beta;
 #else
@@ -69,7 +69,7 @@ MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *d
   Tensor dg;
   double beta;
 
-  if (point->traits & MPM_LAW_SMALL_STRAIN) {
+  if (point->material.traits & MPM_LAW_SMALL_STRAIN) {
     const Tensor F_n = TensorFromArray(point->F_n);
     Tensor       g   = *dF;
 
@@ -93,7 +93,7 @@ MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *d
 /* A change of dF that is to dF_bar what a change of m_bar is: E = dF, or F_n^{-1} at small strain. */
 MPM_FN Tensor Dilation(const MpmKernelPoint *point, const Tensor *dF)
 {
-  if (point->traits & MPM_LAW_SMALL_STRAIN) {
+  if (point->material.traits & MPM_LAW_SMALL_STRAIN) {
     const Tensor F_n = TensorFromArray(point->F_n);
 
     return TensorInverse(&F_n);
@@ -104,7 +104,7 @@ MPM_FN Tensor Dilation(const MpmKernelPoint *point, const Tensor *dF)
 /* dF_bar from the ratio m_bar/m or, at small strain, m_bar - m: dF_bar F_n = dF F_n + ((m_bar - m)/d) I */
 MPM_FN Tensor MeanIncrement(const MpmKernelPoint *point, const Tensor *dF, Scalar ratio)
 {
-  if (point->traits & MPM_LAW_SMALL_STRAIN) {
+  if (point->material.traits & MPM_LAW_SMALL_STRAIN) {
     const Tensor E = Dilation(point, dF), shift = TensorScale(ScalarScale(1. / MPM_NORMALS, ratio), &E);
 
     return TensorAdd(dF, &shift);
@@ -158,7 +158,7 @@ MPM_FN void FbarFlux(const MpmKernelPoint *point, const Sym *tau, const Tensor *
   for (int a = 0; a < MPM_NORMALS; a++) ScalarAddScaled(&pressure, 1. / MPM_NORMALS, &tau->a[a]);
   rest = SymShift(tau, ScalarNeg(pressure));
   SolidFlux(point, &rest, dF, flux);
-  if (point->dilatancy) AddShearFlux(point, dF, pressure, flux);
-  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) pressure = ScalarDiv(pressure, mean);
+  if (point->material.dilatancy) AddShearFlux(point, dF, pressure, flux);
+  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN)) pressure = ScalarDiv(pressure, mean);
   *mean_flux = ScalarScale(point->volume0, pressure);
 }

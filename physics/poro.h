@@ -36,7 +36,7 @@ MPM_FN double PoroVolume(const MpmKernelPoint *point, const double *F)
 {
   double trace = 1.;
 
-  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) return ArrayDetValue(F);
+  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN)) return ArrayDetValue(F);
   for (int a = 0; a < MPM_NORMALS; a++) trace += F[MPM_NORMAL_AT(a)] - 1.;
   return trace;
 }
@@ -44,14 +44,15 @@ MPM_FN double PoroVolume(const MpmKernelPoint *point, const double *F)
 /* The volume ratio of F_{n+1} = dF F_n, with its derivatives. */
 MPM_FN Scalar PoroNewVolume(const MpmKernelPoint *point, const Tensor *dF)
 {
-  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) return ScalarScale(ArrayDetValue(point->F_n), TensorDetByCofactors(dF));
+  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN))
+    return ScalarScale(ArrayDetValue(point->F_n), TensorDetByCofactors(dF));
   return ScalarShift(TensorTraceMulArray(dF, point->F_n), 1. - MPM_NORMALS);
 }
 
 /* tau' - J p I, or sigma' - p I at small strain */
 MPM_FN Sym PoroTotalStress(const MpmKernelPoint *point, const Sym *tau, Scalar J, Scalar p)
 {
-  return SymShift(tau, ScalarNeg(point->traits & MPM_LAW_SMALL_STRAIN ? p : ScalarMul(J, p)));
+  return SymShift(tau, ScalarNeg(point->material.traits & MPM_LAW_SMALL_STRAIN ? p : ScalarMul(J, p)));
 }
 
 /* The part of the initial volume that is grains; it stays. */
@@ -65,7 +66,7 @@ MPM_FN Scalar PoroContent(const MpmKernelPoint *point, double grains, Scalar J, 
 {
   const double compliance = 1. / point->physics_parameter[PORO_MODULUS];
 
-  if (point->traits & MPM_LAW_SMALL_STRAIN)
+  if (point->material.traits & MPM_LAW_SMALL_STRAIN)
     return ScalarAdd(ScalarShift(J, -1.), ScalarScale((1. - grains) * compliance, p));
   if (compliance == 0.) return ScalarShift(J, -1.);
   return ScalarShift(ScalarMul(ScalarShift(J, -grains), ScalarShift(ScalarScale(compliance, p), 1.)), grains - 1.);
@@ -89,9 +90,9 @@ MPM_FN double PoroKept(const MpmKernelPoint *point)
 /* Its derivative by p. */
 MPM_FN double PoroContentByPressure(const MpmKernelPoint *point, double J)
 {
-  const double volume = point->traits & MPM_LAW_SMALL_STRAIN ? 1. : J;
+  const double volume = point->material.traits & MPM_LAW_SMALL_STRAIN ? 1. : J;
 
-  if (point->traits & MPM_POINT_DRAINED) return PoroKept(point);
+  if (point->material.traits & MPM_POINT_DRAINED) return PoroKept(point);
   return (volume - PoroGrains(point)) / point->physics_parameter[PORO_MODULUS];
 }
 MPM_FN double PoroContentValue(const MpmKernelPoint *point, double grains, const double *F, double p)
@@ -108,10 +109,10 @@ MPM_FN double PoroReference(const MpmKernelPoint *point, double start, double st
 /* The elastic shear modulus at a state, NULL for rest; a third of the stiffness where the law does not provide it. */
 MPM_FN double PoroShear(const MpmKernelPoint *point, const double *state, const double *F)
 {
-  const MpmLawInfo *info = point->info;
+  const MpmLawInfo *info = point->material.info;
 
-  if (info->shear_modulus) return info->shear_modulus(point->parameter, point->table, state, F);
-  return info->stiffness(point->parameter, point->table, state, F) / 3.;
+  if (info->shear_modulus) return info->shear_modulus(point->material.parameter, point->material.table, state, F);
+  return info->stiffness(point->material.parameter, point->material.table, state, F) / 3.;
 }
 
 /* Factor on the permeability. Non-zero where there are no pores. */
@@ -128,9 +129,10 @@ MPM_FN int PoroPermeabilityFactor(const MpmKernelPoint *point, double grains, Sc
     break;
   }
   case PORO_UZUOKA_BORJA: {
-    const double modulus = point->info->stiffness(point->parameter, point->table, NULL, NULL);
-    const double mu      = PoroShear(point, NULL, NULL);
-    const Scalar square  = ScalarSquare(J);
+    const double modulus =
+      point->material.info->stiffness(point->material.parameter, point->material.table, NULL, NULL);
+    const double mu     = PoroShear(point, NULL, NULL);
+    const Scalar square = ScalarSquare(J);
     /* J^2 M(J) = mu (1 + J^2) + lambda (1 - ln J) */
     const Scalar scaled = ScalarAdd(ScalarScale(mu, ScalarShift(square, 1.)),
                                     ScalarScale(modulus - 2. * mu, ScalarShift(ScalarNeg(ScalarLog(J)), 1.)));
@@ -152,7 +154,7 @@ MPM_FN int PoroPermeabilityFactor(const MpmKernelPoint *point, double grains, Sc
 MPM_FN void PoroSeepage(const MpmKernelPoint *point, const Tensor *dF, Scalar factor, const Scalar gradient[],
                         Scalar flux[])
 {
-  const int     small    = point->traits & MPM_LAW_SMALL_STRAIN;
+  const int     small    = point->material.traits & MPM_LAW_SMALL_STRAIN;
   const double *physics  = point->physics_parameter;
   const Tensor  cofactor = TensorCofactor(dF), F_n = TensorFromArray(point->F_n);
   const Scalar  inverse = ScalarDiv(ScalarConstant(1.), TensorCofactorDet(dF, &cofactor));
@@ -170,7 +172,7 @@ MPM_FN void PoroSeepage(const MpmKernelPoint *point, const Tensor *dF, Scalar fa
     q = ScalarScale(physics[PORO_MOBILITY + a], ScalarMul(factor, q));
     for (int b = 0; b < MPM_DIM; b++)
       flux[b] = ScalarAdd(flux[b], ScalarScale(outer, ScalarMul(map.a[a * MPM_DIM + b], q)));
-    if (point->F) point->own[PORO_STATE_FLUX + a] = -ScalarValue(q);
+    if (point->end.F) point->end.own[PORO_STATE_FLUX + a] = -ScalarValue(q);
   }
 }
 
@@ -199,7 +201,7 @@ MPM_FN double PoroProjection(const MpmKernelPoint *point, double grains)
 /* The factor of what the pressure's deviation has changed by, in its flux. */
 MPM_FN double PoroSmoothing(const MpmKernelPoint *point, double grains)
 {
-  return point->traits & MPM_POINT_DRAINED ? 0. : -point->volume0 * PoroProjection(point, grains);
+  return point->material.traits & MPM_POINT_DRAINED ? 0. : -point->volume0 * PoroProjection(point, grains);
 }
 
 /* Fluxes of p, of its gradient and of its deviation, from J and dF; non-zero where there are no pores. */
@@ -214,12 +216,12 @@ MPM_FN int PoroMass(const MpmKernelPoint *point, const Tensor *dF, Scalar J, con
   Scalar                factor;
 
   if (PoroPermeabilityFactor(point, grains, J, &factor)) return 1;
-  flux[PORO_P] = point->traits & MPM_POINT_DRAINED
+  flux[PORO_P] = point->material.traits & MPM_POINT_DRAINED
                    ? ScalarScale(-point->volume0 * PoroKept(point), ScalarShift(input[PORO_P], -point->value_n[0]))
                    : ScalarScale(-point->volume0, ScalarShift(content, -PoroReference(point, start, first)));
   PoroSeepage(point, dF, factor, &input[PORO_GRAD_P], &flux[PORO_GRAD_P]);
   flux[PORO_DEVIATION] = ScalarScale(PoroSmoothing(point, grains), ScalarShift(input[PORO_DEVIATION], -deviation));
-  if (point->F) point->own[PORO_STATE_POROSITY] = 1. - grains / ScalarValue(J);
+  if (point->end.F) point->end.own[PORO_STATE_POROSITY] = 1. - grains / ScalarValue(J);
   return 0;
 }
 
@@ -232,7 +234,7 @@ MPM_FN int PoroMass(const MpmKernelPoint *point, const Tensor *dF, Scalar J, con
 MPM_FN void PoroTangent(const MpmKernelPoint *point, const Scalar input[], Scalar J, int count, const Scalar flux[],
                         double tangent[])
 {
-  const int    small  = point->traits & MPM_LAW_SMALL_STRAIN;
+  const int    small  = point->material.traits & MPM_LAW_SMALL_STRAIN;
   const double grains = PoroGrains(point);
   const Tensor dF     = TensorFromGradient(input);
   double       values[PORO_GRADIENTS], map[PORO_GRADIENTS], outer = -point->dt * point->volume0;

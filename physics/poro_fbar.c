@@ -28,7 +28,7 @@ MPM_FN int PoroFbarFluxes(const MpmKernelPoint *point, const Scalar input[], Sca
   Sym          tau, total;
 
   if (!(ScalarValue(m) > 0. && ScalarValue(mean) > 0.)) return 1;
-  const Scalar ratio  = point->traits & MPM_LAW_SMALL_STRAIN ? ScalarSub(mean, m) : ScalarDiv(mean, m);
+  const Scalar ratio  = point->material.traits & MPM_LAW_SMALL_STRAIN ? ScalarSub(mean, m) : ScalarDiv(mean, m);
   const Tensor dF_bar = MeanIncrement(point, &dF, ratio);
 
   *J = PoroNewVolume(point, &dF_bar);

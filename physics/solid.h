@@ -9,14 +9,14 @@ MPM_FN int SolidStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 {
   if (!point->stress_n) return LawStress(point, dF, tau);
   *tau = SymLoad(point->stress_n);
-  if (!(point->traits & MPM_LAW_SMALL_STRAIN)) *tau = SymScaleBy(MpmDeterminant(MPM_TENSOR, point->F_n), tau);
+  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN)) *tau = SymScaleBy(MpmDeterminant(MPM_TENSOR, point->F_n), tau);
   return 0;
 }
 
 /* The flux conjugate to du_a,b: V_0 (tau dF^{-T})_ab, or V_0 sigma_ac F_n,bc at small strain. */
 MPM_FN void SolidFlux(const MpmKernelPoint *point, const Sym *tau, const Tensor *dF, Scalar flux[])
 {
-  if (point->traits & MPM_LAW_SMALL_STRAIN) {
+  if (point->material.traits & MPM_LAW_SMALL_STRAIN) {
     for (int a = 0; a < MPM_DIM; a++) {
       for (int b = 0; b < MPM_DIM; b++) {
         Scalar sum = ScalarConstant(0.);
@@ -38,13 +38,13 @@ MPM_FN void SolidFlux(const MpmKernelPoint *point, const Sym *tau, const Tensor 
 /* F and Cauchy stress of the step's end, where somebody asks: Jacobians do not. */
 MPM_FN void SolidKeep(const MpmKernelPoint *point, const Sym *tau, const Tensor *dF)
 {
-  if (point->F) {
+  if (point->end.F) {
     const Tensor F     = TensorMulArray(dF, point->F_n);
-    const int    small = point->traits & MPM_LAW_SMALL_STRAIN;
+    const int    small = point->material.traits & MPM_LAW_SMALL_STRAIN;
     const Sym    sigma = SymScaleBy(small ? 1. : 1. / TensorDetValue(&F), tau);
 
-    TensorStore(point->F, &F);
-    SymStore(point->stress, &sigma);
+    TensorStore(point->end.F, &F);
+    SymStore(point->end.stress, &sigma);
   }
 }
 

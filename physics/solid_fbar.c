@@ -55,7 +55,7 @@ static int SolidFbarKernel(const MpmKernelPoint *point, const Scalar input[], Sc
   const Scalar m = PointMean(point, &dF, &dm), mean = input[GRADIENTS];
 
   if (!(ScalarValue(m) > 0. && ScalarValue(mean) > 0.)) return 1;
-  const Scalar ratio  = point->traits & MPM_LAW_SMALL_STRAIN ? ScalarSub(mean, m) : ScalarDiv(mean, m);
+  const Scalar ratio  = point->material.traits & MPM_LAW_SMALL_STRAIN ? ScalarSub(mean, m) : ScalarDiv(mean, m);
   const Tensor dF_bar = MeanIncrement(point, &dF, ratio);
 
   return Fluxes(point, &dF, &dF_bar, mean, flux);
@@ -80,7 +80,7 @@ static int SolidFbarMean(const MpmKernelPoint *point, const double input[], doub
 */
 static int SolidFbarTangent(const MpmKernelPoint *point, const double input[], double flux[], double tangent[])
 {
-  const int small   = point->traits & MPM_LAW_SMALL_STRAIN;
+  const int small   = point->material.traits & MPM_LAW_SMALL_STRAIN;
   double   *by_mean = tangent + GRADIENTS * GRADIENTS, *of_mean = by_mean + GRADIENTS, *second = of_mean + GRADIENTS;
   Scalar    in[GRADIENTS], out[INPUTS];
   Tensor    dm;

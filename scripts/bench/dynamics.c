@@ -194,9 +194,9 @@ static PetscErrorCode Iterations(MpmModel model, const char *name)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%s_ns %.6g\nstep_%s_ns %.6g\n%s_newton %g\n", name,
-                        (double)(1e9 * solve / (points * (PetscReal)model->solver.newton)), name,
-                        (double)(1e9 * (Now() - since) / (points * (PetscReal)model->solver.newton)), name,
-                        (double)model->solver.newton));
+                        (double)(1e9 * solve / (points * (PetscReal)model->solver.iterations.newton)), name,
+                        (double)(1e9 * (Now() - since) / (points * (PetscReal)model->solver.iterations.newton)), name,
+                        (double)model->solver.iterations.newton));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -52,7 +52,8 @@ static inline void HenckyDirection(double d, double xy, double r, double n[2])
 /* Non-zero where det F is not a positive finite number. */
 static inline int HenckyTangent(const MpmKernelPoint *point, const double *input, double *flux, double *tangent)
 {
-  const double E = point->parameter[1], nu = point->parameter[2], V = point->volume0, *F_n = point->F_n;
+  const double E = point->material.parameter[1], nu = point->material.parameter[2], V = point->volume0,
+               *F_n = point->F_n;
   const double mu = 0.5 * E / (1. + nu), lambda = E * nu / ((1. + nu) * (1. - 2. * nu));
   const double f[4] = {1. + input[0], input[1], input[2], 1. + input[3]};
   const double F[4] = {f[0] * F_n[0] + f[1] * F_n[2], f[0] * F_n[1] + f[1] * F_n[3], f[2] * F_n[0] + f[3] * F_n[2],

@@ -138,9 +138,10 @@ static PetscErrorCode Assemble(Bench *bench, PetscInt form)
   MpmModel model = bench->model;
 
   PetscFunctionBeginUser;
-  model->solver.jacobian_type             = forms[form].type;
+  model->solver.jacobian.form             = forms[form].type;
   model->scene.physics.kernels[2].tangent = forms[form].by_hand ? HenckyTangent : bench->dual;
-  PetscCall(SNESComputeJacobian(model->solver.snes, model->solver.x, model->solver.jacobian, model->solver.jacobian));
+  PetscCall(SNESComputeJacobian(model->solver.snes, model->solver.x, model->solver.jacobian.assembled,
+                                model->solver.jacobian.assembled));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -164,7 +165,7 @@ static PetscErrorCode PrintDifference(Bench *bench, PetscInt form, Mat local)
   PetscReal norm, difference;
 
   PetscFunctionBeginUser;
-  PetscCall(MatDuplicate(bench->model->solver.jacobian, MAT_COPY_VALUES, &other));
+  PetscCall(MatDuplicate(bench->model->solver.jacobian.assembled, MAT_COPY_VALUES, &other));
   PetscCall(MatAXPY(other, -1., local, SAME_NONZERO_PATTERN));
   PetscCall(MatNorm(other, NORM_FROBENIUS, &difference));
   PetscCall(MatNorm(local, NORM_FROBENIUS, &norm));
@@ -219,7 +220,7 @@ static PetscErrorCode Compare(Bench *bench)
     if (!turns[k]) continue;
     PetscCall(Sample(bench, k, 1, &seconds));
     repeat[k] = (PetscInt)PetscCeilReal(BENCH_SAMPLE / seconds);
-    if (k == FORM_LOCAL) PetscCall(MatDuplicate(bench->model->solver.jacobian, MAT_COPY_VALUES, &local));
+    if (k == FORM_LOCAL) PetscCall(MatDuplicate(bench->model->solver.jacobian.assembled, MAT_COPY_VALUES, &local));
     else PetscCall(PrintDifference(bench, k, local));
   }
   for (PetscInt round = 0; round < bench->rounds; round++) {
@@ -239,13 +240,13 @@ static void PointOf(const MpmModel model, PetscInt p, MpmKernelPoint *point)
 {
   const MpmMaterial *material = &model->scene.materials->at[model->disc.points->material[p]];
 
-  *point = (MpmKernelPoint){.parameter = material->parameter,
-                            .F_n       = &model->disc.points->F[p * 4],
-                            .volume0   = model->disc.points->volume0[p],
-                            .dt        = model->state.dt_nominal,
-                            .traits    = material->info.traits,
-                            .law       = material->law,
-                            .table     = material->table};
+  *point = (MpmKernelPoint){.material.parameter = material->parameter,
+                            .F_n                = &model->disc.points->F[p * 4],
+                            .volume0            = model->disc.points->volume0[p],
+                            .dt                 = model->state.dt_nominal,
+                            .material.traits    = material->info.traits,
+                            .material.law       = material->law,
+                            .material.table     = material->table};
 }
 
 /* Some gradient of the step's displacement, of a given size and different from point to point */

@@ -133,14 +133,14 @@ static PetscErrorCode CaseDestroy(Case *one)
 
 static MpmKernelPoint PointOf(const Case *one)
 {
-  MpmKernelPoint point = {.parameter = one->parameter,
-                          .state_n   = one->state,
-                          .F_n       = one->F,
-                          .volume0   = 1.,
-                          .dt        = 1.,
-                          .traits    = one->info.traits,
-                          .law       = one->law,
-                          .table     = one->table};
+  MpmKernelPoint point = {.material.parameter = one->parameter,
+                          .state_n            = one->state,
+                          .F_n                = one->F,
+                          .volume0            = 1.,
+                          .dt                 = 1.,
+                          .material.traits    = one->info.traits,
+                          .material.law       = one->law,
+                          .material.table     = one->table};
 
   return point;
 }
@@ -155,11 +155,11 @@ static int Step(const Case *one, const double *increment, double *state, double 
 
   memcpy(state_n, state, (size_t)one->state_size * sizeof(double));
   memcpy(F_n, F, sizeof F_n);
-  point.state_n = state_n;
-  point.F_n     = F_n;
-  point.state   = state;
-  point.F       = F;
-  point.stress  = stress;
+  point.state_n    = state_n;
+  point.F_n        = F_n;
+  point.end.state  = state;
+  point.end.F      = F;
+  point.end.stress = stress;
   return one->kernels->residual(&point, increment, flux);
 }
 

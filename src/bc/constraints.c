@@ -200,7 +200,7 @@ static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmPrescrip
 static void LeaveOutUnsupported(MpmConstraints *constraints, const MpmLayout *layout, const MpmSpace *space)
 {
   for (PetscInt k = 0; space->support && k < space->local * layout->block; k++) {
-    if (space->support[k / layout->block] & 1 << layout->shape_of[k % layout->block]) continue;
+    if (space->support[k / layout->block] & 1 << layout->component[k % layout->block].shape) continue;
     constraints->condition[k] = MPM_UNSUPPORTED;
     constraints->value[k]     = 0.;
     constraints->any          = PETSC_TRUE;
@@ -239,7 +239,7 @@ static void PrescribeComponents(MpmConstraints *constraints, const MpmPrescripti
       const PetscInt c = bc->component[k];
 
       constraints->condition[i * bs + c] = b;
-      constraints->value[i * bs + c]     = bc->value[k] * MpmStepFactor(step, b, layout->increment[c]);
+      constraints->value[i * bs + c]     = bc->value[k] * MpmStepFactor(step, b, layout->component[c].increment);
       constraints->any                   = PETSC_TRUE;
     }
   }
@@ -283,7 +283,7 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
   constraints->diagonal = step->diagonal;
   for (PetscInt c = 0; c < bs; c++) {
     constraints->unit[c] =
-      Unit(layout->scale[c], step->diagonal / MpmGridTurn(grid, grid->upper[0]), grid->h[0], grid->dim);
+      Unit(layout->component[c].scale, step->diagonal / MpmGridTurn(grid, grid->upper[0]), grid->h[0], grid->dim);
     if (constraints->unit[c] != 1.) constraints->scaled = PETSC_TRUE;
   }
   PetscCall(PetscMalloc1((space->local * bs), &constraints->condition));
@@ -317,7 +317,7 @@ void MpmConstraintsFollow(MpmConstraints *constraints, const MpmLayout *layout, 
 
     if (MpmConstraintsFrame(constraints, node)) continue;
     for (PetscInt c = 0; c < bs; c++) {
-      if (layout->shape_of[c] || !MpmConstraintsFree(constraints, node * bs + c)) continue;
+      if (layout->component[c].shape || !MpmConstraintsFree(constraints, node * bs + c)) continue;
       constraints->condition[node * bs + c] = MPM_FOLLOWS;
       constraints->value[node * bs + c]     = 0.;
       constraints->any                      = PETSC_TRUE;

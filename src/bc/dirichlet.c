@@ -17,8 +17,8 @@
 static PetscInt FindComponent(const MpmLayout *layout, const char *name)
 {
   for (PetscInt c = 0; c < layout->block; c++) {
-    if (!strcmp(layout->component_name[c], name)) return c;
-    if (layout->component_symbol[c] && !strcmp(layout->component_symbol[c], name)) return c;
+    if (!strcmp(layout->component[c].name, name)) return c;
+    if (layout->component[c].symbol && !strcmp(layout->component[c].symbol, name)) return c;
   }
   return -1;
 }

@@ -393,7 +393,7 @@ PetscErrorCode MpmRestartReadPoints(MpmModel model)
 PetscErrorCode MpmRestartApply(MpmModel model)
 {
   MpmRestart      restart           = model->results->checkpoint.restart;
-  const PetscBool may_be_indefinite = model->solver.may_be_indefinite;
+  const PetscBool may_be_indefinite = model->solver.definite.may_be_lost;
   const PetscBool leaves_dilation   = model->state.rescue.dilation;
   PetscReal       dt_nominal, start;
 
@@ -401,11 +401,11 @@ PetscErrorCode MpmRestartApply(MpmModel model)
   if (!restart) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmStateLoad(&model->state, &restart->values, ""));
   if (leaves_dilation && !model->state.rescue.dilation) MpmStepAverageDilation(model, PETSC_TRUE);
-  model->state.rescue.dilation    = (PetscBool)(leaves_dilation && model->state.rescue.dilation);
-  model->solver.indefinite        = (PetscBool)(model->solver.indefinite && may_be_indefinite);
-  model->solver.may_be_indefinite = (PetscBool)(may_be_indefinite && !model->solver.indefinite);
-  dt_nominal                      = model->state.dt_nominal;
-  start                           = model->state.time_start;
+  model->state.rescue.dilation       = (PetscBool)(leaves_dilation && model->state.rescue.dilation);
+  model->solver.definite.lost        = (PetscBool)(model->solver.definite.lost && may_be_indefinite);
+  model->solver.definite.may_be_lost = (PetscBool)(may_be_indefinite && !model->solver.definite.lost);
+  dt_nominal                         = model->state.dt_nominal;
+  start                              = model->state.time_start;
   PetscCall(MpmStageResume(model));
   MpmRescueResume(model);
   MpmCheckInput(PetscAbsReal(model->state.time_start - start) <= 1e-12 * start, /* earlier versions did not round it */

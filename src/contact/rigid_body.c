@@ -68,7 +68,7 @@ static PetscReal Lift(const MpmContacts *contacts, const MpmSum *sum)
 {
   PetscReal modulus = 0.;
 
-  for (PetscInt m = 0; m < contacts->material_count; m++) modulus = PetscMax(modulus, sum->materials[m].penalty);
+  for (PetscInt m = 0; m < contacts->material_count; m++) modulus = PetscMax(modulus, sum->materials[m].moduli.penalty);
   return LIFT * modulus * PetscPowRealInt(contacts->facets.cell, sum->space->dim - 2);
 }
 

@@ -88,7 +88,8 @@ static PetscErrorCode FindTimes(MpmModel model, PetscReal time[])
   PetscFunctionBeginUser;
   PetscCall(FindHeights(model, time));
   for (PetscInt m = 0; m < materials->count; m++)
-    if (time[m] > 0.) time[m] = PetscSqr(time[m]) / (Mobility(model, &materials->at[m]) * materials->at[m].stiffness);
+    if (time[m] > 0.)
+      time[m] = PetscSqr(time[m]) / (Mobility(model, &materials->at[m]) * materials->at[m].moduli.stiffness);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -123,7 +124,8 @@ PetscErrorCode MpmWaterTellStage(MpmModel model)
   char            text[LINE] = "";
 
   PetscFunctionBeginUser;
-  if (MpmPressureComponent(model->disc.layout) < 0 || !model->disc.layout->ghost || model->disc.layout->taken_up < 0)
+  if (MpmPressureComponent(model->disc.layout) < 0 || !model->disc.layout->ghost ||
+      model->disc.layout->own.taken_up < 0)
     PetscFunctionReturn(PETSC_SUCCESS);
   if (stage->geostatic.method != MPM_GEOSTATIC_NONE) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(model->scene.materials->count, &time));
@@ -143,7 +145,7 @@ PetscErrorCode MpmWaterTellStage(MpmModel model)
 /* The mean size of the excess over the material of pressures at the points. Collective. */
 static PetscErrorCode MeanExcess(MpmModel model, const PetscReal pressure[], PetscReal *excess)
 {
-  const PetscInt rates  = model->disc.layout->rates;
+  const PetscInt rates  = model->disc.layout->rate.count;
   PetscReal      sum[2] = {0., 0.}, *steady, *volume;
   PetscInt       count;
 
@@ -192,7 +194,7 @@ static PetscErrorCode TryStep(MpmModel model, PetscBool drained, PetscReal press
   }
   if (!outcome->code) {
     PetscCall(MpmStepFindTrial(model));
-    PetscCall(MpmRatesAtPoints(model->disc.sum, model->disc.u, pressure));
+    PetscCall(MpmRatesAtPoints(model->disc.sum, model->disc.nodal.u, pressure));
   }
   PetscCall((*integrator->roll_back)(model));
   stage->drained = PETSC_FALSE;
@@ -202,7 +204,7 @@ static PetscErrorCode TryStep(MpmModel model, PetscBool drained, PetscReal press
 /* The steady pressure, and the excess over it at the start and under the loads of the end at once. */
 static PetscErrorCode FindSteady(MpmModel model, PetscReal *most, MpmOutcome *outcome)
 {
-  const PetscInt rates = model->disc.layout->rates;
+  const PetscInt rates = model->disc.layout->rate.count;
   MpmOutcome     undrained;
   PetscReal     *steady, *pressure, excess;
   PetscInt       count;

@@ -73,7 +73,7 @@ void MpmDynamicsSetStage(MpmModel model)
 {
   const MpmMotionControl *motion  = MpmModelMotion(model);
   const PetscBool         moves   = (PetscBool)(motion->type != MPM_QUASISTATIC);
-  MpmDamping             *damping = model->disc.damping;
+  MpmDamping             *damping = model->disc.context.damping;
 
   damping->active     = PETSC_FALSE;
   damping->mass       = moves ? motion->damping.mass : 0.;
@@ -87,8 +87,8 @@ void MpmDynamicsSetStage(MpmModel model)
 /* Outside of a step the balance has neither inertia nor damping. */
 static void Stop(MpmModel model)
 {
-  model->disc.inertia->active = model->disc.damping->active = PETSC_FALSE;
-  model->disc.sum->part                                     = 1.;
+  model->disc.context.inertia->active = model->disc.context.damping->active = PETSC_FALSE;
+  model->disc.sum->part                                                     = 1.;
 }
 
 PetscErrorCode MpmDynamicsBegin(MpmModel model)
@@ -117,8 +117,8 @@ PetscErrorCode MpmDynamicsResize(MpmModel model)
   PetscFunctionBeginUser;
   if (!model->state.scheme.dynamics) PetscCall(PetscNew(&model->state.scheme.dynamics));
   dynamics = model->state.scheme.dynamics;
-  PetscCall(MpmInertiaResize(model->disc.inertia, model->disc.space));
-  dynamics->local = model->disc.inertia->local;
+  PetscCall(MpmInertiaResize(model->disc.context.inertia, model->disc.space));
+  dynamics->local = model->disc.context.inertia->local;
   count           = dynamics->local * model->disc.dim + 1;
   if (dynamics->loads && dynamics->local <= dynamics->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Reset(dynamics));
@@ -138,9 +138,9 @@ static PetscErrorCode Project(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmDynamicsResize(model));
   dynamics = model->state.scheme.dynamics;
-  PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, model->disc.inertia->mass,
+  PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, model->disc.context.inertia->mass,
                                dynamics->v_old, dynamics->a_start));
-  MpmTermsLend(model->disc.terms, model->disc.inertia->mass, dynamics->v_old, dynamics->a_start);
+  MpmTermsLend(model->disc.terms, model->disc.context.inertia->mass, dynamics->v_old, dynamics->a_start);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -197,7 +197,7 @@ static PetscErrorCode EndConstrained(MpmModel model, PetscReal time)
 static PetscErrorCode SetMass(MpmModel model)
 {
   MpmDynamics            *dynamics = model->state.scheme.dynamics;
-  MpmInertia             *inertia  = model->disc.inertia;
+  MpmInertia             *inertia  = model->disc.context.inertia;
   const MpmMotionControl *motion   = MpmModelMotion(model);
 
   PetscFunctionBeginUser;
@@ -253,7 +253,7 @@ static void SetRates(MpmModel model, const Method *method, PetscReal dt)
 static PetscErrorCode SetForces(MpmModel model, const Method *method)
 {
   MpmDynamics    *dynamics = model->state.scheme.dynamics;
-  MpmInertia     *inertia  = model->disc.inertia;
+  MpmInertia     *inertia  = model->disc.context.inertia;
   const PetscInt  count    = dynamics->local * model->disc.dim;
   const PetscReal end      = 1. - method->alpha_f;
   PetscReal      *rest;
@@ -265,7 +265,7 @@ static PetscErrorCode SetForces(MpmModel model, const Method *method)
   inertia->active = PETSC_TRUE;
   PetscCall(PetscMalloc1(count, &rest));
   for (PetscInt k = 0; k < count; k++) rest[k] = end * dynamics->v_rest[k] + method->alpha_f * dynamics->v_start[k];
-  PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, inertia, end * dynamics->v_factor, rest));
+  PetscCall(MpmDampingSet(model->disc.context.damping, model->disc.space, inertia, end * dynamics->v_factor, rest));
   PetscCall(PetscFree(rest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -273,7 +273,7 @@ static PetscErrorCode SetForces(MpmModel model, const Method *method)
 /* The part of the points' forces that is the step's start's stands among the loads. */
 static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f, MpmOutcome *outcome)
 {
-  const PetscInt count  = model->disc.inertia->local * model->disc.block;
+  const PetscInt count  = model->disc.context.inertia->local * model->disc.block;
   PetscInt       failed = 0;
   PetscReal     *still, *force;
 
@@ -287,7 +287,7 @@ static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f, MpmOutcome *ou
   PetscCall(MpmTermsResidualPoints(model->disc.terms, model->disc.sum, still, force, &failed));
   model->disc.sum->rest = PETSC_FALSE;
   model->disc.sum->part = 1. - alpha_f;
-  for (PetscInt k = 0; k < count; k++) model->disc.force[k] -= alpha_f * force[k];
+  for (PetscInt k = 0; k < count; k++) model->disc.nodal.force[k] -= alpha_f * force[k];
   PetscCall(PetscFree2(still, force));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
   if (failed)
@@ -314,7 +314,8 @@ static PetscErrorCode GatherMass(MpmModel model, PetscReal mass[])
   const PetscInt  dim = model->disc.dim, owned = space->owned * dim;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < space->local * dim; k++) mass[k] = k < owned ? model->disc.inertia->mass[k / dim] : 0.;
+  for (PetscInt k = 0; k < space->local * dim; k++)
+    mass[k] = k < owned ? model->disc.context.inertia->mass[k / dim] : 0.;
   MpmConstraintsGather(model->disc.constraints, space, mass);
   PetscCall(MpmSpaceAddToOwners(space, dim, mass));
   PetscCall(MpmSpaceToGhosts(space, dim, mass));
@@ -334,18 +335,18 @@ static PetscErrorCode FindAcceleration(MpmModel model)
   PetscInt          failed;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(model->disc.u, model->disc.inertia->local * model->disc.block));
+  PetscCall(PetscArrayzero(model->disc.nodal.u, model->disc.context.inertia->local * model->disc.block));
   PetscCall(MpmSumResidual(&model->solver, &failed));
   model->disc.trial->made = PETSC_FALSE;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
   if (failed) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmNodesToGhosts(&model->disc, dim, model->disc.residual));
-  MpmFramesToUnknowns(model->disc.constraints, dim, dynamics->local, model->disc.residual);
+  PetscCall(MpmNodesToGhosts(&model->disc, dim, model->disc.nodal.residual));
+  MpmFramesToUnknowns(model->disc.constraints, dim, dynamics->local, model->disc.nodal.residual);
   PetscCall(GatherMass(model, mass));
   for (PetscInt k = 0; k < count; k++) {
     const PetscBool free = MpmConstraintsFree(model->disc.constraints, k);
 
-    dynamics->a_new[k] = free && mass[k] > 0. ? -model->disc.residual[k] / mass[k] : 0.;
+    dynamics->a_new[k] = free && mass[k] > 0. ? -model->disc.nodal.residual[k] / mass[k] : 0.;
   }
   MpmFramesToAxes(model->disc.constraints, dim, dynamics->local, dynamics->a_new);
   MpmConstraintsExtend(model->disc.constraints, model->disc.space, dynamics->a_new);
@@ -362,7 +363,7 @@ static PetscErrorCode KeepLoads(MpmModel model, PetscReal time, PetscReal alpha_
   MpmDynamics *dynamics = model->state.scheme.dynamics;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscArraycpy(dynamics->loads, model->disc.force, dynamics->local * model->disc.dim));
+  PetscCall(PetscArraycpy(dynamics->loads, model->disc.nodal.force, dynamics->local * model->disc.dim));
   PetscCall(MpmStepMeanLoads(model, time, alpha_f, dynamics->loads));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -405,7 +406,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
     PetscCall(Project(model));
   }
   PetscCall(PetscArraycpy(model->state.scheme.dynamics->v_start, model->state.scheme.dynamics->v_old,
-                          model->disc.inertia->local * model->disc.dim));
+                          model->disc.context.inertia->local * model->disc.dim));
   PetscCall(StartConstrained(model));
   PetscCall(SetMass(model));
   SetRates(model, &method, dt);
@@ -422,7 +423,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
 static PetscErrorCode Predict(MpmModel model)
 {
   const MpmDynamics *dynamics = model->state.scheme.dynamics;
-  const PetscInt     n        = model->disc.inertia->owned * model->disc.dim;
+  const PetscInt     n        = model->disc.context.inertia->owned * model->disc.dim;
   const PetscReal    dt       = model->disc.sum->dt;
   PetscScalar       *x;
 
@@ -431,10 +432,10 @@ static PetscErrorCode Predict(MpmModel model)
   model->solver.cache.predicted = PETSC_TRUE;
   PetscCall(VecGetArray(model->solver.x, &x));
   for (PetscInt k = 0; k < n; k++)
-    x[k] = model->disc.inertia->mass[k / model->disc.dim] > 0.
+    x[k] = model->disc.context.inertia->mass[k / model->disc.dim] > 0.
              ? dt * dynamics->v_start[k] + 0.5 * dt * dt * dynamics->a_start[k]
              : 0.;
-  MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.inertia->owned, x);
+  MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.context.inertia->owned, x);
   MpmUnitsOver(model->disc.constraints, n, x);
   MpmConstraintsPrescribe(model->disc.constraints, n, x);
   PetscCall(VecRestoreArray(model->solver.x, &x));
@@ -460,16 +461,18 @@ static PetscErrorCode FindChange(MpmModel model, PetscReal change[])
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < dynamics->local * dim; k++)
-    a[k] = dynamics->a_factor * model->disc.u[k] + dynamics->a_rest[k];
+    a[k] = dynamics->a_factor * model->disc.nodal.u[k] + dynamics->a_rest[k];
   PetscCall(MpmMotionFeel(model->disc.sum, a, change));
-  for (PetscInt k = 0; k < model->disc.inertia->owned * dim; k++) {
+  for (PetscInt k = 0; k < model->disc.context.inertia->owned * dim; k++) {
     if (k >= extra) change[k] = a[k] - (euler ? 0. : dynamics->a_start[k]);
-    else change[k] *= model->disc.inertia->mass[k / dim] > 0. ? 1. / model->disc.inertia->mass[k / dim] : 0.;
+    else
+      change[k] *=
+        model->disc.context.inertia->mass[k / dim] > 0. ? 1. / model->disc.context.inertia->mass[k / dim] : 0.;
   }
   if (euler) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(dynamics->local, &mass));
   PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, mass, dynamics->v_new, a));
-  for (PetscInt k = 0; k < PetscMin(model->disc.inertia->owned * dim, extra); k++) change[k] -= a[k];
+  for (PetscInt k = 0; k < PetscMin(model->disc.context.inertia->owned * dim, extra); k++) change[k] -= a[k];
   PetscCall(PetscFree(mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -489,15 +492,15 @@ static PetscErrorCode Error(MpmModel model, PetscReal *estimate)
   PetscReal         *change;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((model->disc.inertia->owned * dim), &change));
+  PetscCall(PetscMalloc1((model->disc.context.inertia->owned * dim), &change));
   PetscCall(FindChange(model, change));
-  for (PetscInt k = 0; k < model->disc.inertia->owned * dim; k++) {
-    const PetscReal v = dynamics->v_factor * model->disc.u[k] + dynamics->v_rest[k];
+  for (PetscInt k = 0; k < model->disc.context.inertia->owned * dim; k++) {
+    const PetscReal v = dynamics->v_factor * model->disc.nodal.u[k] + dynamics->v_rest[k];
     const PetscReal e = by * dt * change[k];
 
     if (!MpmConstraintsFree(model->disc.constraints, k)) continue;
-    sums[0] += model->disc.inertia->mass[k / dim] * e * e;
-    sums[1] += model->disc.inertia->mass[k / dim] * v * v;
+    sums[0] += model->disc.context.inertia->mass[k / dim] * e * e;
+    sums[1] += model->disc.context.inertia->mass[k / dim] * v * v;
   }
   PetscCall(PetscFree(change));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPIU_SUM, model->comm));
@@ -510,7 +513,7 @@ static PetscErrorCode Error(MpmModel model, PetscReal *estimate)
 static PetscErrorCode Accept(MpmModel model)
 {
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
-  const PetscReal *u        = model->disc.u;
+  const PetscReal *u        = model->disc.nodal.u;
 
   PetscFunctionBeginUser;
   PetscCall(MpmStepFindTrial(model));
@@ -521,9 +524,9 @@ static PetscErrorCode Accept(MpmModel model)
   MpmTermsTake(model->disc.terms, dynamics->v_new, dynamics->a_new);
   PetscCall(MpmEnergyAdd(model, &(MpmStepWork){.u        = u,
                                                .loads    = dynamics->loads,
-                                               .supports = model->disc.residual,
-                                               .local    = model->disc.inertia->local,
-                                               .owned    = model->disc.inertia->owned}));
+                                               .supports = model->disc.nodal.residual,
+                                               .local    = model->disc.context.inertia->local,
+                                               .owned    = model->disc.context.inertia->owned}));
   PetscCall(MpmMotionToPoints(
     model->disc.sum, &MpmModelMotion(model)->transfer,
     &(MpmMotionStep){.v_old = dynamics->v_start, .v_new = dynamics->v_new, .a_new = dynamics->a_new}));

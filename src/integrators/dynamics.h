@@ -10,8 +10,8 @@
 
 /*
   Velocities and accelerations at the local nodes in the step that is tried, dim values a node; the masses are
-  disc.inertia's. `old`: of the points, weighted by mass; `start`: the same as the formulae of the integrator take them,
-  where prescribed unknowns move as they are told to.
+  disc.context.inertia's. `old`: of the points, weighted by mass; `start`: the same as the formulae of the integrator
+  take them, where prescribed unknowns move as they are told to.
 
     a_new = a_factor u + a_rest ,     v_new = v_factor u + v_rest
 */

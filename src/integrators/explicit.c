@@ -81,16 +81,16 @@ static PetscErrorCode Resize(MpmModel model)
 static PetscBool HasOthers(const MpmModel model)
 {
   return (PetscBool)(MpmTermsNear(model->disc.terms, MPM_TERM_CONTACT) || model->scene.surfaces->count ||
-                     MpmDampingAny(model->disc.damping));
+                     MpmDampingAny(model->disc.context.damping));
 }
 
 static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
 {
   PetscFunctionBeginUser;
-  model->disc.inertia->active       = PETSC_FALSE;
-  model->disc.damping->active       = PETSC_FALSE;
-  model->disc.sum->part             = 1.;
-  model->state.scheme.load_at_start = 1.; /* an increment's middle is the step's start */
+  model->disc.context.inertia->active = PETSC_FALSE;
+  model->disc.context.damping->active = PETSC_FALSE;
+  model->disc.sum->part               = 1.;
+  model->state.scheme.load_at_start   = 1.; /* an increment's middle is the step's start */
   PetscCall(MpmStepBegin(model, time, dt, again, outcome));
   if (!outcome->code) PetscCall(Resize(model));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -99,8 +99,8 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
 static PetscErrorCode Predict(MpmModel model)
 {
   PetscFunctionBeginUser;
-  model->solver.newton = model->solver.linear = 0;
-  model->disc.trial->made                     = PETSC_FALSE;
+  model->solver.iterations.newton = model->solver.iterations.linear = 0;
+  model->disc.trial->made                                           = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -200,8 +200,8 @@ static void DisplaceLast(const MpmModel model, const PetscReal velocity[], Petsc
 }
 
 /*
-  Masses and velocities of the nodes at the step's start, and the forces of points and loads, into disc.residual: in one
-  pass over the points where their stress is known and the physics is a solid's.
+  Masses and velocities of the nodes at the step's start, and the forces of points and loads, into disc.nodal.residual:
+  in one pass over the points where their stress is known and the physics is a solid's.
 */
 static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
 {
@@ -209,7 +209,7 @@ static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
   const PetscBool    first    = (PetscBool)(MpmModelMotion(model)->update == MPM_UPDATE_USF);
   const PetscInt     dim = model->disc.dim, local = model->disc.space->local;
   MpmDynamics       *dynamics = model->state.scheme.dynamics;
-  PetscReal         *force = model->disc.residual, *mass = model->disc.inertia->mass;
+  PetscReal         *force = model->disc.nodal.residual, *mass = model->disc.context.inertia->mass;
 
   PetscFunctionBeginUser;
   if (first || !IsPlain(model)) {
@@ -218,11 +218,11 @@ static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
     if (first) DisplaceLast(model, dynamics->v_old, model->disc.trial->u);
     else PetscCall(PetscArrayzero(model->disc.trial->u, local * dim));
     PetscCall(EvaluatePoints(model, model->disc.trial->u, (PetscBool)!first, force, outcome));
-    for (PetscInt k = 0; k < local * dim; k++) force[k] = model->disc.force[k] - force[k];
+    for (PetscInt k = 0; k < local * dim; k++) force[k] = model->disc.nodal.force[k] - force[k];
     PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, force));
     PetscCall(MpmSpaceToGhosts(model->disc.space, dim, force));
   } else {
-    PetscCall(PetscArraycpy(force, model->disc.force, local * dim));
+    PetscCall(PetscArraycpy(force, model->disc.nodal.force, local * dim));
     PetscCall(MpmMotionToNodes(model->disc.sum, transfer, mass, dynamics->v_old, force));
     PetscCall(PrescribeStart(model, dynamics->v_old)); /* velocities of supports do not come from the points */
   }
@@ -237,8 +237,8 @@ static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
 */
 static PetscReal MovedMass(const MpmModel model, PetscReal kick, PetscInt k)
 {
-  const MpmDamping *damping = model->disc.damping;
-  const PetscReal   mass    = model->disc.inertia->mass[k / model->disc.dim];
+  const MpmDamping *damping = model->disc.context.damping;
+  const PetscReal   mass    = model->disc.context.inertia->mass[k / model->disc.dim];
 
   return damping->active ? mass + 0.5 * kick * damping->dashpot[k] : mass;
 }
@@ -247,7 +247,7 @@ static PetscReal MovedMass(const MpmModel model, PetscReal kick, PetscInt k)
 static void Accelerate(MpmModel model, PetscReal kick, const PetscReal force[])
 {
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
-  const PetscReal *mass     = model->disc.inertia->mass;
+  const PetscReal *mass     = model->disc.context.inertia->mass;
   const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
 
   for (PetscInt k = 0; k < count; k++) {
@@ -289,7 +289,7 @@ static PetscBool IsLinear(const MpmModel model)
 */
 static PetscBool HasLightNodes(const MpmModel model)
 {
-  const PetscReal *mass = model->disc.inertia->mass, least = LeastMass(model, LIGHT_AFFINE);
+  const PetscReal *mass = model->disc.context.inertia->mass, least = LeastMass(model, LIGHT_AFFINE);
 
   if (IsLinear(model)) return PETSC_TRUE;
   for (PetscInt i = 0; i < model->disc.space->local; i++)
@@ -301,7 +301,7 @@ static PetscBool HasLightNodes(const MpmModel model)
 static void Quieten(const MpmModel model, PetscReal light, PetscReal dt, PetscReal u[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
-  const PetscReal      *mass = model->disc.inertia->mass, *v_old = model->state.scheme.dynamics->v_old;
+  const PetscReal      *mass = model->disc.context.inertia->mass, *v_old = model->state.scheme.dynamics->v_old;
   const PetscInt        dim   = model->disc.dim;
   const PetscReal       least = LeastMass(model, light);
 
@@ -333,7 +333,7 @@ static PetscErrorCode LimitContact(MpmModel model, PetscReal dt)
   if (!(MpmTermsTraits(model->disc.terms) & MPM_TERM_CONTACT)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(model->disc.space->local, &mass));
   for (PetscInt i = 0; i < model->disc.space->local; i++)
-    mass[i] = model->disc.inertia->mass[i] > 0. ? PetscMax(model->disc.inertia->mass[i], least) : 0.;
+    mass[i] = model->disc.context.inertia->mass[i] > 0. ? PetscMax(model->disc.context.inertia->mass[i], least) : 0.;
   PetscCall(MpmTermsLimit(model->disc.terms, model->disc.sum, mass, dt));
   PetscCall(PetscFree(mass));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -352,9 +352,10 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
 
   PetscFunctionBeginUser;
   PetscCall(LimitContact(model, dt));
-  if (MpmDampingAny(model->disc.damping)) {
-    PetscCall(MpmDampingSet(model->disc.damping, model->disc.space, model->disc.inertia, 0., dynamics->v_old));
-    model->disc.damping->active = PETSC_TRUE;
+  if (MpmDampingAny(model->disc.context.damping)) {
+    PetscCall(
+      MpmDampingSet(model->disc.context.damping, model->disc.space, model->disc.context.inertia, 0., dynamics->v_old));
+    model->disc.context.damping->active = PETSC_TRUE;
   }
   Displace(model, dynamics->v_new, dynamics->a_start);
   Quieten(model, LIGHT, model->disc.sum->dt, dynamics->a_start);
@@ -366,7 +367,7 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reactions of supports, into disc.residual, which has the forces; 0 where nothing is prescribed. */
+/* Reactions of supports, into disc.nodal.residual, which has the forces; 0 where nothing is prescribed. */
 static void FindSupports(MpmModel model, PetscReal kick)
 {
   const MpmConstraints *constraints = model->disc.constraints;
@@ -374,7 +375,7 @@ static void FindSupports(MpmModel model, PetscReal kick)
   const PetscInt        dim         = model->disc.dim;
 
   for (PetscInt i = 0; i < model->disc.space->owned; i++) {
-    PetscReal *f   = &model->disc.residual[i * dim];
+    PetscReal *f   = &model->disc.nodal.residual[i * dim];
     PetscBool  any = PETSC_FALSE;
 
     for (PetscInt a = 0; constraints->any && a < dim; a++)
@@ -393,7 +394,7 @@ static void AddGravity(const MpmModel model, const PetscReal gravity[], PetscRea
   const PetscInt dim = model->disc.dim;
 
   for (PetscInt i = 0; i < model->disc.space->owned; i++)
-    for (PetscInt a = 0; a < dim; a++) loads[i * dim + a] += model->disc.inertia->mass[i] * gravity[a];
+    for (PetscInt a = 0; a < dim; a++) loads[i * dim + a] += model->disc.context.inertia->mass[i] * gravity[a];
 }
 
 /* Half of gravity's increment in the step: from that of its start to the mean. */
@@ -411,10 +412,10 @@ static void GravityGain(const MpmModel model, PetscReal gain[])
   }
 }
 
-/* The forces at the nodes, into disc.residual. */
+/* The forces at the nodes, into disc.nodal.residual. */
 static PetscErrorCode FindForces(MpmModel model, MpmOutcome *outcome)
 {
-  PetscReal *force = model->disc.residual;
+  PetscReal *force = model->disc.nodal.residual;
 
   PetscFunctionBeginUser;
   PetscCall(SumNodes(model, outcome));
@@ -423,8 +424,8 @@ static PetscErrorCode FindForces(MpmModel model, MpmOutcome *outcome)
     Accelerate(model, WholeKick(model), force);
     PetscCall(AddOthers(model, force));
   }
-  AddGravity(model, model->disc.sum->gravity, model->disc.force);
-  if (MpmModelRelaxes(model)) PetscCall(MpmRelaxationDamp(model, model->disc.force, force));
+  AddGravity(model, model->disc.sum->gravity, model->disc.nodal.force);
+  if (MpmModelRelaxes(model)) PetscCall(MpmRelaxationDamp(model, model->disc.nodal.force, force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -432,7 +433,7 @@ static PetscErrorCode FindForces(MpmModel model, MpmOutcome *outcome)
 static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *again)
 {
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
-  const PetscReal *mass     = model->disc.inertia->mass;
+  const PetscReal *mass     = model->disc.context.inertia->mass;
   const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
   MpmMotionStep step = {.v_old = dynamics->v_old, .v_new = dynamics->v_new, .moves = dynamics->moves, .again = again};
 
@@ -484,9 +485,9 @@ static PetscErrorCode Relax(MpmModel model, PetscReal *again)
     PetscCall(PetscArrayzero(dynamics->v_old, model->disc.space->local * model->disc.dim));
     PetscCall(PetscArrayzero(dynamics->moves, model->disc.points->count * model->disc.dim));
     if (again) PetscCall(PetscArrayzero(again, model->disc.space->local * model->disc.dim));
-    Displace(model, dynamics->v_new, model->disc.u);
+    Displace(model, dynamics->v_new, model->disc.nodal.u);
   }
-  PetscCall(MpmRelaxationFinish(model, model->disc.force));
+  PetscCall(MpmRelaxationFinish(model, model->disc.nodal.force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -500,9 +501,9 @@ static PetscErrorCode Solve(MpmModel model, MpmOutcome *outcome)
   MpmOutcomeClear(outcome);
   PetscCall(FindForces(model, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
-  Accelerate(model, kick, model->disc.residual);
+  Accelerate(model, kick, model->disc.nodal.residual);
   FindSupports(model, kick);
-  Displace(model, dynamics->v_new, model->disc.u);
+  Displace(model, dynamics->v_new, model->disc.nodal.u);
   PetscCall(MpmStepFindLost(model, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MovePoints(model, kick, again));
@@ -517,13 +518,13 @@ static PetscErrorCode Solve(MpmModel model, MpmOutcome *outcome)
 */
 static PetscErrorCode AddWork(MpmModel model, PetscReal kick, MpmStepWork *work)
 {
-  const MpmDamping *damping = model->disc.damping;
+  const MpmDamping *damping = model->disc.context.damping;
   MpmDynamics      *of      = model->state.scheme.dynamics;
   const PetscInt    dim     = model->disc.dim;
 
   PetscFunctionBeginUser;
   work->at       = HasOthers(model) ? of->a_start : NULL;
-  work->supports = model->disc.residual;
+  work->supports = model->disc.nodal.residual;
   work->local    = model->disc.space->local;
   work->owned    = model->disc.space->owned;
   if (!MpmModelRelaxes(model)) {
@@ -550,11 +551,11 @@ static PetscErrorCode Observe(MpmModel model)
   if (model->disc.sections)
     PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.constraints, model->disc.sum, model->disc.trial->u,
                                   model->state.particles));
-  PetscCall(PetscArraycpy(dynamics->loads, model->disc.force, count));
+  PetscCall(PetscArraycpy(dynamics->loads, model->disc.nodal.force, count));
   PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 1., dynamics->loads));
   GravityGain(model, gain);
   AddGravity(model, gain, dynamics->loads);
-  PetscCall(AddWork(model, KickLength(model), &(MpmStepWork){.u = model->disc.u, .loads = dynamics->loads}));
+  PetscCall(AddWork(model, KickLength(model), &(MpmStepWork){.u = model->disc.nodal.u, .loads = dynamics->loads}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -563,14 +564,14 @@ static PetscErrorCode Accept(MpmModel model)
 {
   MpmSum          *sum      = model->disc.sum;
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
-  const PetscReal *at       = HasOthers(model) ? dynamics->a_start : model->disc.u; /* where contact acted */
+  const PetscReal *at       = HasOthers(model) ? dynamics->a_start : model->disc.nodal.u; /* where contact acted */
   PetscLogDouble   since;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   PetscCall(Observe(model));
   sum->trial = model->disc.trial;
-  if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.u));
+  if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.nodal.u));
   else PetscCall(MpmCommitMoves(sum, sum->dt, dynamics->moves));
   sum->trial = NULL;
   if (HasOthers(model)) {
@@ -583,11 +584,11 @@ static PetscErrorCode Accept(MpmModel model)
   PetscCall(MpmStepFindReactions(model));
   MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
-  model->state.scheme.put_back = PETSC_FALSE;
-  model->disc.damping->active  = PETSC_FALSE;
+  model->state.scheme.put_back        = PETSC_FALSE;
+  model->disc.context.damping->active = PETSC_FALSE;
   model->state.dt_before = model->state.dt_last = 0.;
   model->state.scheme.behind                    = MpmModelRelaxes(model) ? 0. : 0.5 * sum->dt;
-  model->disc.committed                         = PETSC_TRUE;
+  model->disc.nodal.committed                   = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmStepRemoveGone(model));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -596,8 +597,8 @@ static PetscErrorCode Accept(MpmModel model)
 static PetscErrorCode RollBack(MpmModel model)
 {
   PetscFunctionBeginUser;
-  model->disc.trial->made     = PETSC_FALSE;
-  model->disc.damping->active = PETSC_FALSE;
+  model->disc.trial->made             = PETSC_FALSE;
+  model->disc.context.damping->active = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -619,11 +620,11 @@ static PetscErrorCode CatchUp(MpmModel model)
   dynamics = model->state.scheme.dynamics; /* a run that goes on at a stage's end has it from here on */
   if (!outcome.code) PetscCall(FindForces(model, &outcome));
   if (!outcome.code) {
-    Accelerate(model, behind, model->disc.residual);
+    Accelerate(model, behind, model->disc.nodal.residual);
     PetscCall(PrescribeAt(model, model->state.time, dynamics->v_new));
     FindSupports(model, behind);
-    Displace(model, dynamics->v_new, model->disc.u);
-    work.u = model->disc.u;
+    Displace(model, dynamics->v_new, model->disc.nodal.u);
+    work.u = model->disc.nodal.u;
     PetscCall(AddWork(model, behind, &work));
     PetscCall(MovePoints(model, behind, NULL));
     model->disc.sum->trial = model->disc.trial;
@@ -633,7 +634,7 @@ static PetscErrorCode CatchUp(MpmModel model)
     model->state.scheme.behind = 0.;
   }
   PetscCall(RollBack(model));
-  model->disc.committed = (PetscBool)!outcome.code;
+  model->disc.nodal.committed = (PetscBool)!outcome.code;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -22,12 +22,12 @@ static PetscErrorCode Commit(MpmModel model)
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   PetscCall(MpmStepFindTrial(model));
   if (model->disc.sections)
-    PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.constraints, model->disc.sum, model->disc.u,
+    PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.constraints, model->disc.sum, model->disc.nodal.u,
                                   model->state.particles));
-  PetscCall(MpmSurfaceFlowCommit(model->disc.surfaces, model->disc.sum, model->disc.u));
-  PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
+  PetscCall(MpmSurfaceFlowCommit(model->disc.context.surfaces, model->disc.sum, model->disc.nodal.u));
+  PetscCall(MpmCommitLocal(model->disc.sum, model->disc.nodal.u));
   model->disc.trial->made = PETSC_FALSE;
-  PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
+  PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.nodal.u, model->state.particles));
   PetscCall(MpmStepFindReactions(model));
   MpmStepClip(model);
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
@@ -41,15 +41,15 @@ static PetscErrorCode AddWork(MpmModel model)
   PetscReal     *loads;
 
   PetscFunctionBeginUser;
-  if (!model->disc.inertia->dynamic || model->state.scheme.integrator != &MpmIntegratorQuasistatic)
+  if (!model->disc.context.inertia->dynamic || model->state.scheme.integrator != &MpmIntegratorQuasistatic)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmStepFindTrial(model));
   PetscCall(PetscMalloc1(count, &loads));
-  PetscCall(PetscArraycpy(loads, model->disc.force, count));
+  PetscCall(PetscArraycpy(loads, model->disc.nodal.force, count));
   PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 0., loads));
-  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){.u        = model->disc.u,
+  PetscCall(MpmEnergyAdd(model, &(MpmStepWork){.u        = model->disc.nodal.u,
                                                .loads    = loads,
-                                               .supports = model->disc.residual,
+                                               .supports = model->disc.nodal.residual,
                                                .local    = model->disc.space->local,
                                                .owned    = model->disc.space->owned}));
   PetscCall(PetscFree(loads));
@@ -66,10 +66,10 @@ static void CorrectSupports(MpmModel model)
   const PetscReal       part = 0.5 - model->state.scheme.load_at_start;
   const MpmPrescription step = MpmStepPrescription(model, model->state.time + model->disc.sum->span);
 
-  if (!model->disc.inertia->dynamic) return;
+  if (!model->disc.context.inertia->dynamic) return;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     const MpmCondition *bc       = &model->scene.bcs->at[b];
-    const PetscReal    *reaction = &model->disc.reaction[b * model->disc.block];
+    const PetscReal    *reaction = &model->disc.nodal.reaction[b * model->disc.block];
     PetscReal          *before   = model->state.bcs[b].force, factor;
 
     if (!model->state.bcs[b].active || bc->absorbing) continue;
@@ -96,7 +96,7 @@ static PetscErrorCode AcceptStep(MpmModel model)
   model->state.scheme.put_back = PETSC_FALSE;
   model->state.dt_last         = model->state.dt_before < 0. ? 0. : model->disc.sum->span;
   model->state.dt_before       = last;
-  model->disc.committed        = PETSC_TRUE;
+  model->disc.nodal.committed  = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -112,7 +112,7 @@ static PetscErrorCode RollBackStep(MpmModel model)
 
 PetscErrorCode MpmSettleSet(MpmModel model)
 {
-  MpmInertia *inertia = model->disc.inertia;
+  MpmInertia *inertia = model->disc.context.inertia;
 
   PetscFunctionBeginUser;
   if (!model->state.scheme.settling.on) {

@@ -91,7 +91,8 @@ static PetscErrorCode ScaleMasses(MpmModel model, PetscReal **mass)
 
   PetscFunctionBeginUser;
   PetscCall(MpmStiffnessRows(model->disc.sum, to));
-  for (PetscInt i = 0; i < model->disc.inertia->local; i++) to[i] = PetscMax(model->disc.inertia->mass[i], by * to[i]);
+  for (PetscInt i = 0; i < model->disc.context.inertia->local; i++)
+    to[i] = PetscMax(model->disc.context.inertia->mass[i], by * to[i]);
   *mass = to;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -103,12 +104,12 @@ static PetscErrorCode ScaleMasses(MpmModel model, PetscReal **mass)
 static void ScaleForces(const MpmModel model, const PetscReal mass[], PetscReal force[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
-  const PetscInt        dim = model->disc.dim, local = model->disc.inertia->local;
+  const PetscInt        dim = model->disc.dim, local = model->disc.context.inertia->local;
 
   if (constraints->any) MpmFramesToUnknowns(constraints, dim, local, force);
   for (PetscInt k = 0; k < local * dim; k++)
     if (mass[k / dim] > 0. && (!constraints->any || MpmConstraintsFree(constraints, k)))
-      force[k] *= model->disc.inertia->mass[k / dim] / mass[k / dim];
+      force[k] *= model->disc.context.inertia->mass[k / dim] / mass[k / dim];
   if (constraints->any) MpmFramesToAxes(constraints, dim, local, force);
 }
 
@@ -119,7 +120,7 @@ static PetscReal NodesKinetic(const MpmModel model)
   const PetscInt     dim      = model->disc.dim;
   PetscReal          kinetic  = 0.;
 
-  for (PetscInt k = 0; k < model->disc.inertia->owned * dim; k++)
+  for (PetscInt k = 0; k < model->disc.context.inertia->owned * dim; k++)
     kinetic += 0.5 * dynamics->v_start[k / dim] * PetscSqr(dynamics->v_new[k]);
   return kinetic;
 }
@@ -154,10 +155,10 @@ static PetscErrorCode Compare(MpmModel model, const PetscReal load[], const Pets
   PetscReal      most[3] = {0., 0., 0.};
 
   PetscFunctionBeginUser;
-  for (PetscInt i = 0; i < model->disc.inertia->owned; i++) {
+  for (PetscInt i = 0; i < model->disc.context.inertia->owned; i++) {
     PetscReal square = 0., whole = 0., free;
 
-    if (!(model->disc.inertia->mass[i] > 0.)) continue;
+    if (!(model->disc.context.inertia->mass[i] > 0.)) continue;
     for (PetscInt a = 0; a < dim; a++) square += PetscSqr(load[i * dim + a]);
     for (PetscInt a = 0; a < dim; a++) whole += PetscSqr(force[i * dim + a]);
     free    = FreeSquare(model, i, &force[i * dim]);
@@ -175,8 +176,8 @@ static PetscErrorCode Compare(MpmModel model, const PetscReal load[], const Pets
 static PetscErrorCode Feel(MpmModel model, const PetscReal force[], PetscReal felt[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
-  const PetscReal      *mass        = model->disc.inertia->mass;
-  const PetscInt        dim = model->disc.dim, local = model->disc.inertia->local;
+  const PetscReal      *mass        = model->disc.context.inertia->mass;
+  const PetscInt        dim = model->disc.dim, local = model->disc.context.inertia->local;
   PetscReal            *a = model->state.scheme.dynamics->a_new;
 
   PetscFunctionBeginUser;
@@ -195,15 +196,16 @@ PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal for
 {
   const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
   const MpmDynamics   *dynamics   = model->state.scheme.dynamics;
-  const PetscReal     *mass = model->disc.inertia->mass, *v = dynamics->v_old;
-  const PetscInt       dim = model->disc.dim, count = model->disc.inertia->local * dim;
+  const PetscReal     *mass = model->disc.context.inertia->mass, *v = dynamics->v_old;
+  const PetscInt       dim = model->disc.dim, count = model->disc.context.inertia->local * dim;
   PetscReal           *scaled = NULL;
 
   PetscFunctionBeginUser;
   if (relaxation->scaled) PetscCall(ScaleMasses(model, &scaled));
   if (scaled) mass = scaled;
   PetscCall(MpmNodesToOwners(&model->disc, dim, load));
-  PetscCall(PetscArrayzero(&load[model->disc.inertia->owned * dim], count - model->disc.inertia->owned * dim));
+  PetscCall(
+    PetscArrayzero(&load[model->disc.context.inertia->owned * dim], count - model->disc.context.inertia->owned * dim));
   if (relaxation->felt) PetscCall(Feel(model, force, dynamics->a_rest));
   PetscCall(Compare(model, load, relaxation->felt ? dynamics->a_rest : force));
   for (PetscInt k = 0; relaxation->damping == MPM_DAMPING_VISCOUS && k < count; k++)
@@ -230,7 +232,7 @@ static PetscErrorCode IsDriven(MpmModel model, PetscBool *driven)
 
   PetscFunctionBeginUser;
   *driven = PETSC_FALSE;
-  for (PetscInt k = 0; constraints->any && k < model->disc.inertia->owned * model->disc.dim; k++)
+  for (PetscInt k = 0; constraints->any && k < model->disc.context.inertia->owned * model->disc.dim; k++)
     if (!MpmConstraintsFree(constraints, k) && constraints->value[k] != 0.) *driven = PETSC_TRUE;
   if (model->state.scheme.rescuing.on && End(model) < model->state.scheme.rescuing.ramp) *driven = PETSC_TRUE;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, driven, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
@@ -351,7 +353,8 @@ PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
   PetscBool            holds;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < model->disc.inertia->owned * model->disc.dim; k++) work += load[k] * model->disc.u[k];
+  for (PetscInt k = 0; k < model->disc.context.inertia->owned * model->disc.dim; k++)
+    work += load[k] * model->disc.nodal.u[k];
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &work, 1, MPIU_REAL, MPIU_SUM, model->comm));
   relaxing->work   = rescuing->on ? model->state.scheme.energy.external - rescuing->work : relaxing->work + work;
   most             = PetscAbsReal(relaxing->work);

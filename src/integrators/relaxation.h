@@ -15,8 +15,8 @@ PetscBool MpmCouldRelax(const MpmModel model);
 /*
   Within an explicit step. Damp: compares the forces at the local nodes, `force`, with the loads, `load` (this rank's
   share, which becomes the whole), and adds damping. Observe: the points have their new velocities; past a peak of their
-  energy they are stopped. Finish: the loads' work in the displacements model->disc.u; where the criteria are met the
-  stage ends.
+  energy they are stopped. Finish: the loads' work in the displacements model->disc.nodal.u; where the criteria are met
+  the stage ends.
 */
 PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal force[]);
 PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped);

@@ -77,21 +77,21 @@ static PetscErrorCode KeepFirst(MpmModel model)
   PetscCall(MpmStepFindTrial(model));
   PetscCall(MpmStepFindReactions(model));
   PetscCall(PetscFree4(sdirk->F, sdirk->value, sdirk->deviation, sdirk->stage));
-  PetscCall(PetscMalloc4((count * size), &sdirk->F, (count * layout->rates), &sdirk->value,
-                         (count * layout->deviations), &sdirk->deviation, (count + 1), &sdirk->stage));
+  PetscCall(PetscMalloc4((count * size), &sdirk->F, (count * layout->rate.count), &sdirk->value,
+                         (count * layout->deviation.count), &sdirk->deviation, (count + 1), &sdirk->stage));
   PetscCall(PetscFree(sdirk->reaction));
   PetscCall(PetscMalloc1(ReactionCount(model), &sdirk->reaction));
   PetscCall(PetscArraycpy(sdirk->F, model->disc.trial->F, count * size));
-  PetscCall(PetscArraycpy(sdirk->reaction, model->disc.reaction, ReactionCount(model)));
-  PetscCall(MpmRatesAtPoints(model->disc.sum, model->disc.u, sdirk->value));
-  PetscCall(MpmDeviationsAtPoints(model->disc.sum, model->disc.u, sdirk->deviation));
+  PetscCall(PetscArraycpy(sdirk->reaction, model->disc.nodal.reaction, ReactionCount(model)));
+  PetscCall(MpmRatesAtPoints(model->disc.sum, model->disc.nodal.u, sdirk->value));
+  PetscCall(MpmDeviationsAtPoints(model->disc.sum, model->disc.nodal.u, sdirk->deviation));
   for (PetscInt p = 0; p < count; p++)
     sdirk->stage[p] = (MpmKernelStage){.F         = &sdirk->F[p * size],
-                                       .value     = &sdirk->value[p * layout->rates],
-                                       .deviation = &sdirk->deviation[p * layout->deviations],
+                                       .value     = &sdirk->value[p * layout->rate.count],
+                                       .deviation = &sdirk->deviation[p * layout->deviation.count],
                                        .theta     = THETA,
                                        .span      = sdirk->dt};
-  PetscCall(MpmTermsKeepStage(model->disc.terms, model->disc.sum, model->disc.u, THETA));
+  PetscCall(MpmTermsKeepStage(model->disc.terms, model->disc.sum, model->disc.nodal.u, THETA));
   model->disc.trial->made = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -116,7 +116,7 @@ static PetscErrorCode StartSecond(MpmModel model, Vec first)
     if (k) {
       PetscCall(VecGetArray(first, &x));
       for (PetscInt i = 0; i < n; i++)
-        if (model->disc.layout->increment[i % bs]) x[i] /= GAMMA;
+        if (model->disc.layout->component[i % bs].increment) x[i] /= GAMMA;
       PetscCall(VecRestoreArray(first, &x));
     }
     PetscCall(VecGetArray(first, &x));
@@ -142,8 +142,8 @@ static PetscErrorCode SolveStages(MpmModel model, MpmOutcome *outcome)
   PetscFunctionBeginUser;
   PetscCall(MpmIntegratorQuasistatic.solve(model, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
-  newton = model->solver.newton;
-  linear = model->solver.linear;
+  newton = model->solver.iterations.newton;
+  linear = model->solver.iterations.linear;
   PetscCall(KeepFirst(model));
   PetscCall(VecDuplicate(model->solver.x, &first));
   PetscCall(VecCopy(model->solver.x, first));
@@ -156,8 +156,9 @@ static PetscErrorCode SolveStages(MpmModel model, MpmOutcome *outcome)
     PetscCall(MpmIntegratorQuasistatic.solve(model, outcome));
   }
   PetscCall(VecDestroy(&first));
-  model->solver.newton = PetscMax(model->solver.newton, newton); /* of a solution; all of them count in the totals */
-  model->solver.linear += linear;
+  model->solver.iterations.newton =
+    PetscMax(model->solver.iterations.newton, newton); /* of a solution; all of them count in the totals */
+  model->solver.iterations.linear += linear;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -170,8 +171,8 @@ static PetscErrorCode Accept(MpmModel model)
   PetscCall(MpmIntegratorQuasistatic.accept(model));
   if (model->state.scheme.error > 0.) model->state.scheme.largest = model->state.scheme.sdirk->change;
   for (PetscInt k = 0; k < ReactionCount(model); k++)
-    if (!layout->increment[k % model->disc.block])
-      model->disc.reaction[k] += THETA * model->state.scheme.sdirk->reaction[k];
+    if (!layout->component[k % model->disc.block].increment)
+      model->disc.nodal.reaction[k] += THETA * model->state.scheme.sdirk->reaction[k];
   model->disc.sum->first = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

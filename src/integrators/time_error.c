@@ -63,7 +63,7 @@ PetscErrorCode MpmTimeErrorBegin(MpmModel model)
   if (!MpmStagesControlError(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(MpmParticlesGetField(model->state.particles, MpmTimeErrorField, &start));
-  for (PetscInt p = 0; p < points.count; p++) start[p] = points.value[p * model->disc.layout->rates];
+  for (PetscInt p = 0; p < points.count; p++) start[p] = points.value[p * model->disc.layout->rate.count];
   PetscCall(MpmParticlesRestoreField(model->state.particles, &start));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -72,7 +72,7 @@ PetscErrorCode MpmTimeErrorBegin(MpmModel model)
 /* Volumes of this rank's points at the local unknowns of component c; those of others become 0. */
 static PetscErrorCode NodeVolumes(const MpmSum *sum, PetscInt c, PetscReal volume[])
 {
-  const PetscInt bs = sum->block, basis = sum->layout->shape_of[c] * MPM_BASES;
+  const PetscInt bs = sum->block, basis = sum->layout->component[c].shape * MPM_BASES;
   MpmWorkspace   work;
 
   PetscFunctionBeginUser;
@@ -124,10 +124,10 @@ static PetscErrorCode StoredSquare(MpmModel model, PetscInt c, const MpmKernelSt
   disc->sum->first = first;
   disc->sum->trial = NULL;
   disc->sum->dt    = 0.;
-  PetscCall(MpmTermsResidualPoints(disc->terms, disc->sum, disc->u, residual, &failed));
+  PetscCall(MpmTermsResidualPoints(disc->terms, disc->sum, disc->nodal.u, residual, &failed));
   *disc->sum = sum;
   PetscCall(NodeVolumes(disc->sum, c, volume));
-  PetscCall(MpmSurfaceFlowMark(disc->surfaces, disc->space, mark));
+  PetscCall(MpmSurfaceFlowMark(disc->context.surfaces, disc->space, mark));
   PetscCall(MpmSpaceToGhosts(disc->space, 1, mark));
   PetscCall(Gather(disc, mark, residual));
   PetscCall(Gather(disc, mark, volume));
@@ -145,17 +145,18 @@ static PetscErrorCode StoredSquare(MpmModel model, PetscInt c, const MpmKernelSt
 static PetscErrorCode ChangeSquare(MpmModel model, PetscInt c, PetscReal *square)
 {
   const MpmPoints *points = model->disc.points;
-  const PetscInt   rates  = model->disc.layout->rates;
+  const PetscInt   rates  = model->disc.layout->rate.count;
   PetscReal       *value, *start;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((points->count * rates), &value));
-  PetscCall(MpmRatesAtPoints(model->disc.sum, model->disc.u, value));
+  PetscCall(MpmRatesAtPoints(model->disc.sum, model->disc.nodal.u, value));
   PetscCall(MpmParticlesGetField(model->state.particles, MpmTimeErrorField, &start));
   *square = 0.;
   for (PetscInt p = 0; p < points->count; p++) {
-    const PetscReal scale =
-      model->disc.layout->scale[c] == MPM_SCALE_STRESS ? model->disc.sum->materials[points->material[p]].stiffness : 1.;
+    const PetscReal scale = model->disc.layout->component[c].scale == MPM_SCALE_STRESS
+                              ? model->disc.sum->materials[points->material[p]].moduli.stiffness
+                              : 1.;
 
     *square += points->volume0[p] * PetscSqr((value[p * rates] - start[p]) / scale);
   }
@@ -167,7 +168,7 @@ static PetscErrorCode ChangeSquare(MpmModel model, PetscInt c, PetscReal *square
 
 PetscErrorCode MpmTimeError(MpmModel model, PetscReal *estimate)
 {
-  const PetscInt  c     = model->disc.layout->rate_component[0];
+  const PetscInt  c     = model->disc.layout->rate.component[0];
   MpmSdirk       *sdirk = model->state.scheme.sdirk;
   MpmKernelStage *line;
   PetscReal       error, stored, change;

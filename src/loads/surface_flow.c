@@ -48,10 +48,10 @@ typedef struct {
 /* The first of the kernel's inputs that are the pressure's gradient. */
 static PetscInt GradientInput(const MpmLayout *layout, PetscInt component)
 {
-  PetscInt k = layout->by_component.first[component];
+  PetscInt k = layout->input.by_component.first[component];
 
-  while (layout->basis_of[layout->by_component.input[k]] != 1) k++;
-  return layout->by_component.input[k];
+  while (layout->input.basis[layout->input.by_component.input[k]] != 1) k++;
+  return layout->input.by_component.input[k];
 }
 
 /* The kernel's inputs at the face's point and the pressure beyond the prescribed one. */
@@ -88,7 +88,7 @@ static PetscBool Outflow(const MpmSurfaceFaces *faces, const MpmSurfaceFace *fac
 /* Likewise the derivatives by the inputs. */
 static PetscBool OutflowTangent(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, Flow *flow)
 {
-  const PetscInt first = GradientInput(sum->layout, faces->component), inputs = sum->layout->inputs;
+  const PetscInt first = GradientInput(sum->layout, faces->component), inputs = sum->layout->input.count;
   MpmKernelPoint point;
   PetscReal      flux[MPM_MAX_INPUTS], tangent[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
 
@@ -131,10 +131,10 @@ static PetscReal Change(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face
 
   *excess = c == faces->component ? flow->weight[j] : 0.;
   value   = face->penalty * *excess;
-  for (PetscInt k = layout->by_component.first[c]; k < layout->by_component.first[c + 1]; k++) {
-    const PetscInt l = layout->by_component.input[k];
+  for (PetscInt k = layout->input.by_component.first[c]; k < layout->input.by_component.first[c + 1]; k++) {
+    const PetscInt l = layout->input.by_component.input[k];
 
-    value += flow->by_input[l] * flow->work.basis.basis[layout->basis_of[l]][j];
+    value += flow->by_input[l] * flow->work.basis.basis[layout->input.basis[l]][j];
   }
   return value;
 }
@@ -145,7 +145,7 @@ static PetscReal Change(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face
 static PetscErrorCode PrepareFace(const MpmSurfaceFaces *faces, const MpmSum *sum, MpmSurfaceFace *face)
 {
   const MpmLayout *layout = sum->layout;
-  const PetscInt   dim = sum->space->dim, first = GradientInput(layout, faces->component), inputs = layout->inputs;
+  const PetscInt   dim = sum->space->dim, first = GradientInput(layout, faces->component), inputs = layout->input.count;
   MpmKernelPoint   point;
   PetscReal        input[MPM_MAX_INPUTS] = {0.}, flux[MPM_MAX_INPUTS], tangent[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
   const PetscReal  none[MPM_MAX_BLOCK]   = {0.};
@@ -154,9 +154,9 @@ static PetscErrorCode PrepareFace(const MpmSurfaceFaces *faces, const MpmSum *su
   PetscFunctionBeginUser;
   MpmSumPoint(sum, face->point, &point);
   point.deviation_n = none; /* not known yet */
-  for (PetscInt r = 0; r < layout->rates; r++)
-    if (layout->rate_component[r] == faces->component &&
-        first > layout->by_component.input[layout->by_component.first[faces->component]])
+  for (PetscInt r = 0; r < layout->rate.count; r++)
+    if (layout->rate.component[r] == faces->component &&
+        first > layout->input.by_component.input[layout->input.by_component.first[faces->component]])
       input[first - 1] = point.value_n[r];
   PetscCheck(!faces->kernel->tangent(&point, input, flux, tangent), PETSC_COMM_SELF, PETSC_ERR_FP,
              "point %" PetscInt_FMT " has no answer at rest", sum->points->id[face->point]);
@@ -252,7 +252,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
     if (!OutflowTangent(faces, face, sum, &flow)) continue;
     Begin(faces, face, sum, du, &flow); /* the change of inputs and excess */
     flow.outflow = face->penalty * flow.excess;
-    for (PetscInt l = 0; l < sum->layout->inputs; l++) flow.outflow += flow.by_input[l] * flow.input[l];
+    for (PetscInt l = 0; l < sum->layout->input.count; l++) flow.outflow += flow.by_input[l] * flow.input[l];
     AddFlow(faces, face, sum, &flow, y);
   }
   PetscCall(PetscFree(flow.work.storage));

@@ -55,14 +55,14 @@ PetscErrorCode MpmModelGetReaction(MpmModel model, const char name[], PetscReal 
 
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
-    if (!strcmp(model->scene.bcs->names[b], name)) from = &model->disc.reaction[b * model->disc.block];
+    if (!strcmp(model->scene.bcs->names[b], name)) from = &model->disc.nodal.reaction[b * model->disc.block];
   for (PetscInt m = 0; m < model->scene.motions->count; m++)
     if (!strcmp(model->scene.motions->names[m], name))
-      from = &model->disc.reaction[(model->scene.bcs->count + m) * model->disc.block];
+      from = &model->disc.nodal.reaction[(model->scene.bcs->count + m) * model->disc.block];
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
-    if (!strcmp(model->scene.boundaries->names[b], name)) from = model->disc.contacts->reaction[b];
+    if (!strcmp(model->scene.boundaries->names[b], name)) from = model->disc.context.contacts->reaction[b];
   for (PetscInt k = 0; k < model->scene.pairs->count; k++)
-    if (!strcmp(model->scene.pairs->names[k], name)) from = model->disc.pairs->force[k];
+    if (!strcmp(model->scene.pairs->names[k], name)) from = model->disc.context.pairs->force[k];
   PetscCheck(from, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no condition, motion, boundary or contact %s",
              name);
   PetscCall(PetscArraycpy(reaction, from, dim));

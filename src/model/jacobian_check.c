@@ -41,11 +41,11 @@ static PetscErrorCode AddNoise(MpmModel model, PetscReal cells, PetscInt seed, V
 /* |A - B| / |A|, B made in one of the ways. */
 static PetscErrorCode Assembled(MpmModel model, MpmJacobianType type, Vec x, Mat A, PetscReal *distance)
 {
-  Mat       B = model->solver.jacobian, difference;
+  Mat       B = model->solver.jacobian.assembled, difference;
   PetscReal norm;
 
   PetscFunctionBeginUser;
-  model->solver.jacobian_type = type;
+  model->solver.jacobian.form = type;
   PetscCall(SNESComputeJacobian(model->solver.snes, x, B, B));
   PetscCall(MatDuplicate(A, MAT_COPY_VALUES, &difference));
   PetscCall(MatAXPY(difference, -1., B, DIFFERENT_NONZERO_PATTERN));
@@ -87,23 +87,24 @@ static PetscErrorCode Action(MpmModel model, Vec x, Mat A, PetscBool stored, Pet
 /* Without extras for direct solvers: raised diagonals of weak nodes. */
 static PetscErrorCode Compare(MpmModel model, Vec x, MpmJacobianCheck *check)
 {
-  const MpmJacobianType type       = model->solver.jacobian_type;
-  const PetscBool       factorises = model->solver.factorises;
+  const MpmJacobianType type       = model->solver.jacobian.form;
+  const PetscBool       factorises = model->solver.preset.factorises;
   Mat                   A;
 
   PetscFunctionBeginUser;
-  model->solver.factorises    = PETSC_FALSE;
-  model->solver.jacobian_type = MPM_JACOBIAN_LOCAL;
-  PetscCall(SNESComputeJacobian(model->solver.snes, x, model->solver.jacobian, model->solver.jacobian));
-  PetscCall(MatDuplicate(model->solver.jacobian, MAT_COPY_VALUES, &A));
+  model->solver.preset.factorises = PETSC_FALSE;
+  model->solver.jacobian.form     = MPM_JACOBIAN_LOCAL;
+  PetscCall(
+    SNESComputeJacobian(model->solver.snes, x, model->solver.jacobian.assembled, model->solver.jacobian.assembled));
+  PetscCall(MatDuplicate(model->solver.jacobian.assembled, MAT_COPY_VALUES, &A));
   PetscCall(Assembled(model, MPM_JACOBIAN_COLORING, x, A, &check->coloring));
   PetscCall(Assembled(model, MPM_JACOBIAN_DENSE, x, A, &check->dense));
   PetscCall(Assembled(model, MPM_JACOBIAN_FD, x, A, &check->differences));
   PetscCall(Action(model, x, A, PETSC_TRUE, &check->matfree[0]));
   PetscCall(Action(model, x, A, PETSC_FALSE, &check->matfree[1]));
   PetscCall(MatDestroy(&A));
-  model->solver.jacobian_type = type;
-  model->solver.factorises    = factorises;
+  model->solver.jacobian.form     = type;
+  model->solver.preset.factorises = factorises;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,7 +120,7 @@ static PetscErrorCode Check(MpmModel model, PetscReal cells, MpmJacobianCheck *c
   PetscCheck(!outcome.code, model->comm, PETSC_ERR_ARG_WRONGSTATE, "%s", outcome.text);
   PetscCall(MpmStepPrepare(model, model->state.time + dt, dt, PETSC_FALSE, &outcome));
   PetscCheck(!outcome.code, model->comm, PETSC_ERR_ARG_WRONGSTATE, "%s", outcome.text);
-  PetscCheck(model->solver.jacobian, model->comm, PETSC_ERR_SUP,
+  PetscCheck(model->solver.jacobian.assembled, model->comm, PETSC_ERR_SUP,
              "the preconditioner does without a matrix: there is none to compare with");
   PetscCall(VecDuplicate(model->solver.x, &x));
   PetscCall(VecCopy(model->solver.x, x));

@@ -137,7 +137,7 @@ PetscErrorCode MpmLaboratorySetUp(MpmModel model)
   PetscCall(MpmPointPathBegin(&block, path, laboratory->start));
   model->state.time            = path->time[0];
   model->state.run_end         = path->time[path->rows - 1];
-  model->state.active_dofs_max = laboratory->point.count;
+  model->state.active_dofs_max = laboratory->point.equations.count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -148,12 +148,13 @@ static PetscErrorCode Describe(MpmModel model, size_t length, char text[])
   const MpmMaterial   *material   = &model->scene.materials->at[laboratory->material];
 
   PetscFunctionBeginUser;
-  PetscCall(PetscSNPrintf(
-    text, length,
-    "%s, %" PetscInt_FMT "D, %s of material %s (%s), %s stress, %s strain, %" PetscInt_FMT " unknown%s, %d rank%s",
-    MPM_STRESS_POINT, laboratory->dim, MpmPathTypes[laboratory->path.type], material->name, material->info.name,
-    MpmStressMeasures[laboratory->stress_measure], MpmStrainMeasures[laboratory->strain_measure],
-    laboratory->point.count, laboratory->point.count == 1 ? "" : "s", model->size, model->size > 1 ? "s" : ""));
+  PetscCall(PetscSNPrintf(text, length,
+                          "%s, %" PetscInt_FMT "D, %s of material %s (%s), %s stress, %s strain, %" PetscInt_FMT
+                          " unknown%s, %d rank%s",
+                          MPM_STRESS_POINT, laboratory->dim, MpmPathTypes[laboratory->path.type], material->name,
+                          material->info.name, MpmStressMeasures[laboratory->stress_measure],
+                          MpmStrainMeasures[laboratory->strain_measure], laboratory->point.equations.count,
+                          laboratory->point.equations.count == 1 ? "" : "s", model->size, model->size > 1 ? "s" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -213,8 +214,8 @@ static PetscErrorCode WriteHistory(MpmModel model, PetscReal dt)
   row[k++] = (PetscReal)model->state.step;
   row[k++] = model->state.time;
   row[k++] = dt;
-  row[k++] = (PetscReal)laboratory->point.newton;
-  row[k++] = (PetscReal)laboratory->point.linear;
+  row[k++] = (PetscReal)laboratory->point.equations.newton;
+  row[k++] = (PetscReal)laboratory->point.equations.linear;
   row[k++] = (PetscReal)model->state.cuts;
   row[k++] = model->state.time / model->state.run_end;
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) row[k++] = now->strain[s];
@@ -251,8 +252,8 @@ static PetscErrorCode Advance(MpmModel model, PetscReal target, PetscReal nomina
     MpmPointPathAt(&laboratory->path, time, &control);
     PetscCall(MpmStressPointStep(&laboratory->point, &control, *dt, outcome));
     PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SOLVE, since));
-    model->solver.newton_total += laboratory->point.newton;
-    model->solver.linear_total += laboratory->point.linear;
+    model->solver.iterations.newton_total += laboratory->point.equations.newton;
+    model->solver.iterations.linear_total += laboratory->point.equations.linear;
     if (!outcome->code) break;
     if (0.5 * *dt < SHORTEST * nominal) PetscFunctionReturn(PETSC_SUCCESS);
     laboratory->fraction = 0.5 * *dt / nominal;
@@ -263,8 +264,8 @@ static PetscErrorCode Advance(MpmModel model, PetscReal target, PetscReal nomina
   laboratory->fraction = PetscMin(GROWTH * laboratory->fraction, 1.);
   model->state.time    = time;
   model->state.step++;
-  model->solver.newton = laboratory->point.newton;
-  model->solver.linear = laboratory->point.linear;
+  model->solver.iterations.newton = laboratory->point.equations.newton;
+  model->solver.iterations.linear = laboratory->point.equations.linear;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

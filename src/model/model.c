@@ -332,7 +332,7 @@ static PetscErrorCode ReadDiscretization(MpmModel model, const MpmOptions *optio
   model->scene.edge = (MpmEdgeType)edge;
   PetscCall(
     MpmOptionsWord(options, "jacobian", "how the Jacobian is made", MpmJacobianTypes, MPM_OPTIONAL, &jacobian, NULL));
-  model->solver.jacobian_type = jacobian == MPM_JACOBIAN_AUTO ? MPM_JACOBIAN_LOCAL : (MpmJacobianType)jacobian;
+  model->solver.jacobian.form = jacobian == MPM_JACOBIAN_AUTO ? MPM_JACOBIAN_LOCAL : (MpmJacobianType)jacobian;
   PetscCall(MpmStabilizationRead(model, options));
   PetscCall(CreatePhysics(model, physics, dim));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -402,13 +402,13 @@ static PetscErrorCode CheckLattices(const MpmGrid *grid, const MpmLayout *layout
 {
   PetscFunctionBeginUser;
   for (PetscInt c = 0; c < layout->block && !MpmOptionsHelp(); c++) {
-    const PetscInt spacing = layout->shape[layout->shape_of[c]].spacing;
+    const PetscInt spacing = layout->shape[layout->component[c].shape].spacing;
 
     for (PetscInt a = 0; a < grid->dim; a++)
       MpmCheckInput(grid->cells[a] % spacing == 0,
                     "-mpm_grid_cells %" PetscInt_FMT ": the nodes of %s stand %" PetscInt_FMT
                     " cells apart on axis %c, must be a multiple of %" PetscInt_FMT,
-                    grid->cells[a], layout->component_name[c], spacing, "xyz"[a], spacing);
+                    grid->cells[a], layout->component[c].name, spacing, "xyz"[a], spacing);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -421,16 +421,17 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscCall(MpmOptionsBlocks(options, "materials", "names of the material blocks", MPM_REQUIRED,
                              &model->scene.materials->count, &model->scene.materials->names));
   PetscCall(PetscCalloc1(model->scene.materials->count, &model->scene.materials->at));
-  model->solver.symmetric = PETSC_TRUE;
+  model->solver.definite.symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
     PetscCall(MpmMaterialCreate(options, model->scene.materials->names[m], model->scene.kinematics,
                                 &model->scene.materials->at[m]));
     PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, model->disc.dim, &model->scene.materials->at[m]));
-    if (!(model->scene.materials->at[m].info.traits & MPM_LAW_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
-    stiffest = PetscMax(stiffest, model->scene.materials->at[m].stiffness);
+    if (!(model->scene.materials->at[m].info.traits & MPM_LAW_SYMMETRIC))
+      model->solver.definite.symmetric = PETSC_FALSE;
+    stiffest = PetscMax(stiffest, model->scene.materials->at[m].moduli.stiffness);
   }
-  if (!(model->scene.physics.traits & MPM_PHYSICS_SYMMETRIC)) model->solver.symmetric = PETSC_FALSE;
-  model->disc.diagonal = MpmNodeStiffness(&model->disc, stiffest);
+  if (!(model->scene.physics.traits & MPM_PHYSICS_SYMMETRIC)) model->solver.definite.symmetric = PETSC_FALSE;
+  model->disc.matrix.diagonal = MpmNodeStiffness(&model->disc, stiffest);
   PetscCall(MpmOptionsBlocks(options, "bodies",
                              "names of the body blocks; bodies must not overlap, and are welded where they share "
                              "nodes",
@@ -474,7 +475,7 @@ static PetscErrorCode ReadBoundaries(MpmModel model, const MpmOptions *options)
     PetscCall(
       MpmBoundaryCreate(options, model->scene.boundaries->names[k], model->disc.grid, &model->scene.boundaries->at[k]));
     if (model->scene.boundaries->at[k].freedom && !MpmFreedomIsSymmetric(model->scene.boundaries->at[k].freedom))
-      model->solver.symmetric = PETSC_FALSE;
+      model->solver.definite.symmetric = PETSC_FALSE;
     MpmCheckInput((!model->scene.boundaries->at[k].water.drained && !model->scene.boundaries->at[k].water.led) ||
                     MpmPressureComponent(model->disc.layout) >= 0 || MpmOptionsHelp(),
                   "-mpm_boundary_%s_%s: there is no water in the scene's physics", model->scene.boundaries->names[k],
@@ -542,8 +543,8 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
     PetscCall(MpmConditionCreate(options, model->scene.bcs->names[b], model->disc.grid, model->disc.layout,
                                  &model->scene.bcs->at[b]));
   PetscCall(ReadMotions(model, options));
-  PetscCall(
-    PetscCalloc1(((model->scene.bcs->count + model->scene.motions->count) * model->disc.block), &model->disc.reaction));
+  PetscCall(PetscCalloc1(((model->scene.bcs->count + model->scene.motions->count) * model->disc.block),
+                         &model->disc.nodal.reaction));
   PetscCall(ReadBoundaries(model, options));
   PetscCall(PetscCalloc1(model->scene.loads->count, &model->scene.loads->at));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
@@ -561,11 +562,11 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   }
   PetscCall(MpmSurfacesRead(model, options));
   PetscCall(MpmAddedTermsRead(options, model->disc.grid, model->scene.terms));
-  if (!MpmAddedTermsAreSymmetric(model->scene.terms)) model->solver.symmetric = PETSC_FALSE;
+  if (!MpmAddedTermsAreSymmetric(model->scene.terms)) model->solver.definite.symmetric = PETSC_FALSE;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),
                                  &model->scene.materials->at[m]));
-  if (!MpmSceneIsSymmetric(model)) model->solver.symmetric = PETSC_FALSE;
+  if (!MpmSceneIsSymmetric(model)) model->solver.definite.symmetric = PETSC_FALSE;
   PetscCall(MpmWaterRead(model, options));
   PetscCall(MpmOptionsBlocks(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL,
                              &model->results->tracks.count, &model->results->tracks.names));
@@ -725,8 +726,8 @@ static PetscErrorCode SetUp(MpmModel model)
   PetscCall(EstimateUnknowns(model, &unknowns));
   if (MpmStagesSolve(model)) PetscCall(MpmSolverChoose(&model->solver, unknowns, MpmStagesAreImplicit(model)));
   else {
-    PetscCall(PetscFree(model->solver.name));
-    PetscCall(PetscStrallocpy("none", &model->solver.name));
+    PetscCall(PetscFree(model->solver.preset.name));
+    PetscCall(PetscStrallocpy("none", &model->solver.preset.name));
   }
   PetscCall(MpmRestartApply(model));
   model->caller.set_up = PETSC_TRUE;

@@ -91,12 +91,12 @@ PetscErrorCode MpmFillOwnStates(MpmModel model)
   MpmPoints         points;
 
   PetscFunctionBeginUser;
-  if (!model->disc.layout->own_size) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->disc.layout->own.size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     const MpmMaterial *material   = &model->scene.materials->at[points.material[p]];
     const double      *own_values = MpmPointOwn(&points, material, p);
-    PetscReal         *own        = &points.own[p * model->disc.layout->own_size];
+    PetscReal         *own        = &points.own[p * model->disc.layout->own.size];
 
     MpmStatesAtRest((size_t)physics->state_count, physics->states, model->disc.dim, own);
     if (physics->initial) {
@@ -120,15 +120,15 @@ PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscI
   PetscInt          count = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((size_t)(physics->state_count + layout->rates + 1), &fields));
+  PetscCall(PetscMalloc1((size_t)(physics->state_count + layout->rate.count + 1), &fields));
   for (PetscInt s = 0; s < physics->state_count; s++) {
     const MpmStateVariable *state = &physics->states[s];
 
     fields[count++] =
       (MpmFileField){state->name, state->kind == MPM_STATE_SYM ? 6 : MpmStateComponents(state, model->disc.dim)};
   }
-  for (PetscInt r = 0; r < layout->rates; r++)
-    fields[count++] = (MpmFileField){layout->component_name[layout->rate_component[r]], 1};
+  for (PetscInt r = 0; r < layout->rate.count; r++)
+    fields[count++] = (MpmFileField){layout->component[layout->rate.component[r]].name, 1};
   PetscCall(MpmBodyReadFile(options, model->scene.bodies->names[b], model->disc.grid, model->scene.materials->at, count,
                             fields, model->scene.bodies->at[b]));
   PetscCall(PetscFree(fields));
@@ -140,7 +140,7 @@ static void TakeFields(MpmModel model, MpmBody body, PetscInt row, PetscInt p, M
 {
   const MpmPhysics *physics = &model->scene.physics;
   const MpmLayout  *layout  = model->disc.layout;
-  PetscReal        *own     = points->own ? &points->own[p * layout->own_size] : NULL;
+  PetscReal        *own     = points->own ? &points->own[p * layout->own.size] : NULL;
 
   for (PetscInt s = 0; s < physics->state_count; s++) {
     const PetscInt   size   = MpmStateComponents(&physics->states[s], model->disc.dim);
@@ -150,12 +150,12 @@ static void TakeFields(MpmModel model, MpmBody body, PetscInt row, PetscInt p, M
     for (PetscInt c = 0; value && c < size; c++) own[c] = value[row * stride + c];
     own += size;
   }
-  for (PetscInt r = 0; r < layout->rates; r++) {
-    const PetscReal *value = MpmBodyFilePressure(body, layout->component_name[layout->rate_component[r]]);
+  for (PetscInt r = 0; r < layout->rate.count; r++) {
+    const PetscReal *value = MpmBodyFilePressure(body, layout->component[layout->rate.component[r]].name);
 
-    if (value) points->value[p * layout->rates + r] = value[row];
+    if (value) points->value[p * layout->rate.count + r] = value[row];
   }
-  if (layout->taken_up >= 0 && MpmBodyFileHasMass(body))
+  if (layout->own.taken_up >= 0 && MpmBodyFileHasMass(body))
     points->mass[p] += points->mass[p] - MpmPointMassNow(points, model->scene.materials->at, layout, p);
 }
 
@@ -166,7 +166,7 @@ PetscErrorCode MpmFillFromFiles(MpmModel model)
   MpmPoints        points;
 
   PetscFunctionBeginUser;
-  if (!model->disc.layout->rates && !model->disc.layout->own_size) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->disc.layout->rate.count && !model->disc.layout->own.size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(PetscMalloc1(points.count, &body_of));
   MpmBodiesOfPoints(bodies->count, bodies->at, &points, body_of);
@@ -186,7 +186,7 @@ PetscErrorCode MpmFillParts(MpmModel model)
   MpmPoints        points;
 
   PetscFunctionBeginUser;
-  if (model->disc.parts == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->disc.material.parts == 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(PetscMalloc1(points.count, &body_of));
   MpmBodiesOfPoints(bodies->count, bodies->at, &points, body_of);
@@ -263,7 +263,7 @@ static PetscBool NeedsBodies(const MpmModel model)
 PetscErrorCode MpmPointFieldsCreate(MpmModel model)
 {
   PetscInt  state_size = 0, extra = 0, shared;
-  PetscBool parts       = (PetscBool)(model->disc.parts > 1);
+  PetscBool parts       = (PetscBool)(model->disc.material.parts > 1);
   PetscBool faces       = (PetscBool)(model->scene.boundaries->count > 0 || parts || model->scene.surfaces->count > 0);
   PetscBool half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || faces || MpmStagesAreGeostatic(model) ||
                                       MpmStagesReduce(model) || model->scene.stabilization.divide > 0.);
@@ -298,8 +298,8 @@ PetscErrorCode MpmPointFieldsCreate(MpmModel model)
   PetscCall(MpmParticlesCreate(model->disc.grid,
                                &(MpmParticleFields){.parameters  = MpmOwnParametersSize(model),
                                                     .state_size  = state_size,
-                                                    .own_size    = model->disc.layout->own_size,
-                                                    .rates       = model->disc.layout->rates,
+                                                    .own_size    = model->disc.layout->own.size,
+                                                    .rates       = model->disc.layout->rate.count,
                                                     .half_length = half_length,
                                                     .increment   = model->state.predict,
                                                     .faces       = faces,
@@ -308,7 +308,7 @@ PetscErrorCode MpmPointFieldsCreate(MpmModel model)
                                                     .origin      = MpmOriginIsKept(model),
                                                     .across = (PetscBool)(model->scene.kinematics == MPM_PLANE_STRAIN &&
                                                                           model->state.particles->has_mass),
-                                                    .velocity     = model->disc.inertia->dynamic,
+                                                    .velocity     = model->disc.context.inertia->dynamic,
                                                     .affine       = MpmStagesAreAffine(model),
                                                     .acceleration = MpmStagesAreImplicit(model),
                                                     .extra_count  = extra,

@@ -179,7 +179,7 @@ static PetscErrorCode Report(MpmModel model, PetscReal dt)
   PetscCall(MpmTerminalStep(model, dt));
   PetscCall(MpmWaterFindTension(model, boils));
   if (boils[0]) PetscCall(MpmTerminalWarn(model, "%s", boils));
-  if (model->solver.linear_total) PetscCall(WarnUnused(model, MPM_AFTER_SOLVE));
+  if (model->solver.iterations.linear_total) PetscCall(WarnUnused(model, MPM_AFTER_SOLVE));
   PetscCall(WriteDue(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -32,13 +32,13 @@ static PetscErrorCode ViewScene(const MpmModel model, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer, "unknowns of a node:"));
   PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));
   for (PetscInt c = 0; c < model->disc.block; c++)
-    PetscCall(PetscViewerASCIIPrintf(viewer, " %s", model->disc.layout->component_name[c]));
+    PetscCall(PetscViewerASCIIPrintf(viewer, " %s", model->disc.layout->component[c].name));
   PetscCall(PetscViewerASCIIPrintf(viewer, "\n"));
   PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_TRUE));
   for (PetscInt m = 0; m < scene->materials->count; m++)
     PetscCall(PetscViewerASCIIPrintf(viewer, "material %s: %s, constrained modulus %g, density %g\n",
                                      scene->materials->at[m].name, scene->materials->at[m].info.name,
-                                     (double)scene->materials->at[m].stiffness,
+                                     (double)scene->materials->at[m].moduli.stiffness,
                                      (double)scene->materials->at[m].density));
   PetscCall(PetscViewerASCIIPrintf(
     viewer,
@@ -110,8 +110,8 @@ PetscErrorCode MpmModelView(MpmModel model, PetscViewer viewer)
   PetscCall(ViewScene(model, viewer));
   PetscCall(ViewGrid(model, viewer));
   if (model->disc.space->global_count) PetscCall(ViewSpace(model, viewer));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "Solver: %s, Jacobian %s\n", model->solver.name,
-                                   MpmJacobianTypes[model->solver.jacobian_type]));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Solver: %s, Jacobian %s\n", model->solver.preset.name,
+                                   MpmJacobianTypes[model->solver.jacobian.form]));
   PetscCall(PetscViewerASCIIPushTab(viewer));
   if (model->solver.snes) PetscCall(SNESView(model->solver.snes, viewer));
   PetscCall(PetscViewerASCIIPopTab(viewer));

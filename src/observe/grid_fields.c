@@ -192,7 +192,8 @@ static PetscErrorCode NodeArraysCreate(MpmModel model, NodeArrays *arrays)
                          &arrays->load, space->owned, &arrays->held, space->owned, &arrays->rank, space->owned,
                          &arrays->part));
   PetscCall(PetscArrayzero(arrays->load, space->local * block));
-  if (model->disc.committed) PetscCall(PetscArraycpy(arrays->load, model->disc.force, space->local * block));
+  if (model->disc.nodal.committed)
+    PetscCall(PetscArraycpy(arrays->load, model->disc.nodal.force, space->local * block));
   PetscCall(MpmSpaceAddToOwners(space, block, arrays->load));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(NodalMass(model, &points, arrays->mass));
@@ -210,16 +211,17 @@ static PetscErrorCode NodeArraysCreate(MpmModel model, NodeArrays *arrays)
 
 static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *arrays, const Cells *cells)
 {
-  const MpmSpace  *space = model->disc.space;
-  const PetscInt   dim = space->dim, block = model->disc.block;
-  const Nodal      moved    = {model->disc.committed ? model->disc.u : NULL, WrittenCount(space), block, 0, dim};
-  const Nodal      reaction = {model->disc.committed ? model->disc.residual : NULL, WrittenCount(space), block, 0, dim};
-  const Nodal      load     = {arrays->load, WrittenCount(space), block, 0, dim};
-  Nodal            others[MPM_MAX_BLOCK];
-  PetscInt         count                   = 0;
-  MpmDataset       sets[8 + MPM_MAX_BLOCK] = {{.name = "position", .components = dim, .real = arrays->position}};
-  const MpmDataset corners                 = {.name = "nodes", .components = cells->corners, .integer = cells->nodes};
-  const MpmTable   cell_table              = {cells->count, cells->id, 1, &corners};
+  const MpmSpace *space = model->disc.space;
+  const PetscInt  dim = space->dim, block = model->disc.block;
+  const Nodal moved    = {model->disc.nodal.committed ? model->disc.nodal.u : NULL, WrittenCount(space), block, 0, dim};
+  const Nodal reaction = {model->disc.nodal.committed ? model->disc.nodal.residual : NULL, WrittenCount(space), block,
+                          0, dim};
+  const Nodal load     = {arrays->load, WrittenCount(space), block, 0, dim};
+  Nodal       others[MPM_MAX_BLOCK];
+  PetscInt    count                   = 0;
+  MpmDataset  sets[8 + MPM_MAX_BLOCK] = {{.name = "position", .components = dim, .real = arrays->position}};
+  const MpmDataset corners            = {.name = "nodes", .components = cells->corners, .integer = cells->nodes};
+  const MpmTable   cell_table         = {cells->count, cells->id, 1, &corners};
 
   PetscFunctionBeginUser;
   count         = 1;
@@ -229,11 +231,12 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
   sets[count++] = (MpmDataset){.name = "mass", .components = 1, .real = arrays->mass};
   sets[count++] = (MpmDataset){.name = "held", .components = 1, .integer = arrays->held};
   sets[count++] = (MpmDataset){.name = "rank", .components = 1, .integer = arrays->rank};
-  if (model->disc.parts > 1) sets[count++] = (MpmDataset){.name = "part", .components = 1, .integer = arrays->part};
+  if (model->disc.material.parts > 1)
+    sets[count++] = (MpmDataset){.name = "part", .components = 1, .integer = arrays->part};
   for (PetscInt c = dim; c < block; c++) {
     others[c]     = (Nodal){moved.value, WrittenCount(space), block, c, 1};
     sets[count++] = (MpmDataset){
-      .name = model->disc.layout->component_name[c], .components = 1, .fill = FillNodal, .ctx = &others[c]};
+      .name = model->disc.layout->component[c].name, .components = 1, .fill = FillNodal, .ctx = &others[c]};
   }
   {
     const MpmTable node_table = {WrittenCount(space), space->global, count, sets};
@@ -263,7 +266,7 @@ PetscErrorCode MpmLatticeWrite(MpmModel model)
   Cells      cells;
 
   PetscFunctionBeginUser;
-  if (!model->disc.committed) {
+  if (!model->disc.nodal.committed) {
     PetscCall(MpmStepSpace(model, &outcome));
     if (outcome.code) PetscFunctionReturn(PETSC_SUCCESS);             /* the step will say so */
     PetscCall(MpmModelPrescribe(model, model->state.time, &outcome)); /* a contradiction, reported by the step */

@@ -23,7 +23,7 @@ PetscInt MpmMotionColumnCount(const MpmModel model)
 {
   const PetscInt dim = model->disc.dim;
 
-  if (!model->disc.inertia->dynamic) return 0;
+  if (!model->disc.context.inertia->dynamic) return 0;
   return model->results->tracks.count * dim + (PetscInt)PETSC_STATIC_ARRAY_LENGTH(energies) + dim + (dim == 2 ? 1 : 3);
 }
 
@@ -43,7 +43,7 @@ PetscErrorCode MpmMotionAddColumns(MpmModel model, char **names, PetscInt *count
   const PetscInt dim = model->disc.dim;
 
   PetscFunctionBeginUser;
-  if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->disc.context.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < model->results->tracks.count * dim; k++)
     PetscCall(Add("track_", model->results->tracks.names[k / dim], "v", k % dim, names, count));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(energies); k++)
@@ -59,7 +59,7 @@ PetscErrorCode MpmMotionAddValues(MpmModel model, PetscReal row[], PetscInt *cou
   MpmEnergyReport report;
 
   PetscFunctionBeginUser;
-  if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->disc.context.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt t = 0; t < model->results->tracks.count; t++, *count += dim)
     PetscCall(MpmTrackVelocity(&model->results->tracks.at[t], model->state.particles, &row[*count]));
   PetscCall(MpmEnergyEvaluate(model, &report));

@@ -71,7 +71,7 @@ static PetscErrorCode FillVolume(const void *ctx, PetscReal values[])
   for (PetscInt p = 0; p < points->count; p++) {
     const PetscReal *F = MpmPointF(points, p);
 
-    values[p] = points->volume0[p] * (model->disc.layout->taken_up < 0
+    values[p] = points->volume0[p] * (model->disc.layout->own.taken_up < 0
                                         ? MpmPointJ(points, p)
                                         : MpmPointVolumeRatio(&model->scene.materials->at[points->material[p]], F));
   }
@@ -188,7 +188,7 @@ static PetscErrorCode FillParameter(const void *ctx, PetscReal values[])
 static PetscErrorCode FillOwn(const void *ctx, PetscReal values[])
 {
   const Source    *source = (const Source *)ctx;
-  const PetscInt   dim = source->model->disc.dim, size = source->model->disc.layout->own_size;
+  const PetscInt   dim = source->model->disc.dim, size = source->model->disc.layout->own.size;
   const PetscReal *own = source->points->own;
 
   PetscFunctionBeginUser;
@@ -205,7 +205,7 @@ static PetscErrorCode FillOwn(const void *ctx, PetscReal values[])
 static PetscErrorCode FillRate(const void *ctx, PetscReal values[])
 {
   const Source  *source = (const Source *)ctx;
-  const PetscInt rates  = source->model->disc.layout->rates;
+  const PetscInt rates  = source->model->disc.layout->rate.count;
 
   PetscFunctionBeginUser;
   for (PetscInt p = 0; p < source->points->count; p++) values[p] = source->points->value[p * rates + source->rate];
@@ -263,7 +263,7 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
     {.name = "half_length", .components = dim, .real = points ? points->half_length : NULL},
   };
   const size_t known    = PETSC_STATIC_ARRAY_LENGTH(always) - (MpmShapeHasDomain(model->scene.shape) ? 0 : 1);
-  PetscInt     capacity = (PetscInt)known + 1 + model->disc.layout->rates + model->scene.physics.state_count;
+  PetscInt     capacity = (PetscInt)known + 1 + model->disc.layout->rate.count + model->scene.physics.state_count;
 
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
@@ -272,7 +272,7 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
   fields->count = 0;
   PetscCall(PetscMalloc2(capacity, &fields->set, capacity, &fields->source));
   for (size_t k = 0; k < known; k++) Add(fields, &always[k], &source);
-  if (model->disc.inertia->dynamic)
+  if (model->disc.context.inertia->dynamic)
     Add(fields, &(MpmDataset){.name = "velocity", .components = dim, .real = points ? points->velocity : NULL},
         &source);
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
@@ -294,8 +294,8 @@ static PetscErrorCode FieldsCreate(MpmModel model, const MpmPoints *points, Fiel
     Add(fields, &set, &source);
     source.first += MpmStateComponents(variable, dim);
   }
-  for (source.rate = 0; source.rate < model->disc.layout->rates; source.rate++) {
-    const MpmDataset set = {.name = model->disc.layout->component_name[model->disc.layout->rate_component[source.rate]],
+  for (source.rate = 0; source.rate < model->disc.layout->rate.count; source.rate++) {
+    const MpmDataset set = {.name = model->disc.layout->component[model->disc.layout->rate.component[source.rate]].name,
                             .components = 1,
                             .fill       = FillRate};
 

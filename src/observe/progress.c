@@ -107,9 +107,9 @@ PetscErrorCode MpmTerminalBegin(MpmModel model, const char *what)
   PetscCall(PetscPrintf(model->comm, "  %s, %s, shape %s%s, Jacobian %s, solver %s%s%s%s, %d rank%s\n",
                         model->scene.physics.name, MpmKindText(model), MpmShapeTypes[model->scene.shape],
                         model->scene.edge == MPM_EDGE_OPEN ? " with not-a-knot ends" : "",
-                        MpmJacobianTypes[model->solver.jacobian_type], model->solver.name,
-                        model->solver.why ? " (" : "", model->solver.why ? model->solver.why : "",
-                        model->solver.why ? ")" : "", model->size, model->size > 1 ? "s" : ""));
+                        MpmJacobianTypes[model->solver.jacobian.form], model->solver.preset.name,
+                        model->solver.preset.why ? " (" : "", model->solver.preset.why ? model->solver.preset.why : "",
+                        model->solver.preset.why ? ")" : "", model->size, model->size > 1 ? "s" : ""));
   PetscCall(PrintMotion(model));
   PetscCall(MpmStabilizationText(model, sizeof(text), text));
   PetscCall(PetscPrintf(model->comm, "  %s\n", text));
@@ -159,11 +159,12 @@ PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt)
   terminal->shown = now;
   if (terminal->lines && terminal->lines % LINES_A_TITLE == 0) PetscCall(PrintTitles(model));
   terminal->lines++;
-  PetscCall(PetscPrintf(
-    model->comm,
-    "%7" PetscInt_FMT " %14.8g %10.4g %6" PetscInt_FMT " %6" PetscInt_FMT " %4" PetscInt_FMT " %5.1f%% %11s\n",
-    model->state.step, (double)model->state.time, (double)dt, model->solver.newton, model->solver.linear,
-    model->state.cuts, PetscFloorReal(1000. * model->state.time / model->state.run_end) / 10., left));
+  PetscCall(PetscPrintf(model->comm,
+                        "%7" PetscInt_FMT " %14.8g %10.4g %6" PetscInt_FMT " %6" PetscInt_FMT " %4" PetscInt_FMT
+                        " %5.1f%% %11s\n",
+                        model->state.step, (double)model->state.time, (double)dt, model->solver.iterations.newton,
+                        model->solver.iterations.linear, model->state.cuts,
+                        PetscFloorReal(1000. * model->state.time / model->state.run_end) / 10., left));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -89,7 +89,7 @@ static PetscErrorCode AddColumn(const char *quantity, const char *of, PetscInt a
 /* A component of a condition as columns name it. */
 static const char *ComponentName(const MpmLayout *layout, PetscInt component)
 {
-  return layout->component_symbol[component] ? layout->component_symbol[component] : layout->component_name[component];
+  return layout->component[component].symbol ? layout->component[component].symbol : layout->component[component].name;
 }
 
 PetscErrorCode MpmHistoryResume(MpmModel model, const char *path, PetscInt number, PetscInt columns,
@@ -261,7 +261,7 @@ static PetscErrorCode AddTracks(MpmModel model, PetscReal row[], PetscInt *k)
 static PetscInt AddReactions(const MpmModel model, PetscReal row[], PetscInt k)
 {
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
-    const PetscReal *reaction = &model->disc.reaction[b * model->disc.block];
+    const PetscReal *reaction = &model->disc.nodal.reaction[b * model->disc.block];
 
     for (PetscInt c = 0; c < model->scene.bcs->at[b].component_count; c++)
       row[k++] = reaction[model->scene.bcs->at[b].component[c]];
@@ -271,19 +271,19 @@ static PetscInt AddReactions(const MpmModel model, PetscReal row[], PetscInt k)
     k++;
   }
   for (PetscInt m = 0; m < model->scene.motions->count; m++) {
-    const PetscReal *reaction = &model->disc.reaction[(model->scene.bcs->count + m) * model->disc.block];
+    const PetscReal *reaction = &model->disc.nodal.reaction[(model->scene.bcs->count + m) * model->disc.block];
 
     for (PetscInt c = 0; c < model->scene.motions->at[m].component_count; c++)
       row[k++] = reaction[model->scene.motions->at[m].component[c]];
   }
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
-    for (PetscInt a = 0; a < model->disc.dim; a++) row[k++] = model->disc.contacts->reaction[b][a];
-    row[k++] = model->disc.contacts->depth[b];
-    for (PetscInt a = model->disc.dim == 2 ? 2 : 0; a < 3; a++) row[k++] = model->disc.contacts->moment[b][a];
-    k += MpmRigidReport(model->disc.contacts, b, &row[k]);
+    for (PetscInt a = 0; a < model->disc.dim; a++) row[k++] = model->disc.context.contacts->reaction[b][a];
+    row[k++] = model->disc.context.contacts->depth[b];
+    for (PetscInt a = model->disc.dim == 2 ? 2 : 0; a < 3; a++) row[k++] = model->disc.context.contacts->moment[b][a];
+    k += MpmRigidReport(model->disc.context.contacts, b, &row[k]);
   }
   for (PetscInt p = 0; p < model->scene.pairs->count * model->disc.dim; p++)
-    row[k++] = model->disc.pairs->force[p / model->disc.dim][p % model->disc.dim];
+    row[k++] = model->disc.context.pairs->force[p / model->disc.dim][p % model->disc.dim];
   return k;
 }
 
@@ -298,8 +298,8 @@ PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
   row[k++] = (PetscReal)model->state.step;
   row[k++] = model->state.time;
   row[k++] = dt;
-  row[k++] = (PetscReal)model->solver.newton;
-  row[k++] = (PetscReal)model->solver.linear;
+  row[k++] = (PetscReal)model->solver.iterations.newton;
+  row[k++] = (PetscReal)model->solver.iterations.linear;
   row[k++] = (PetscReal)model->state.cuts;
   row[k++] =
     model->scene.loads->count + model->scene.surfaces->named ? MpmModelLoadFactor(model, 0, model->state.time) : 0.;
@@ -336,15 +336,15 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                             .title             = model->scene.title,
                             .physics           = model->scene.physics.name,
                             .shape             = MpmShapeTypes[model->scene.shape],
-                            .jacobian          = MpmJacobianTypes[model->solver.jacobian_type],
-                            .solver            = model->solver.name,
+                            .jacobian          = MpmJacobianTypes[model->solver.jacobian.form],
+                            .solver            = model->solver.preset.name,
                             .points            = model->state.particles->total,
                             .cells             = 1,
                             .active_dofs_max   = model->state.active_dofs_max,
                             .steps             = model->state.step,
                             .step_cuts         = model->state.cuts_total,
-                            .newton_iterations = model->solver.newton_total,
-                            .linear_iterations = model->solver.linear_total,
+                            .newton_iterations = model->solver.iterations.newton_total,
+                            .linear_iterations = model->solver.iterations.linear_total,
                             .imbalance         = model->state.particles->imbalance,
                             .rebalances        = model->state.particles->rebalances,
                             .reduces           = MpmStagesReduce(model),

@@ -662,8 +662,8 @@ PetscReal MpmPointMassNow(const MpmPoints *points, const MpmMaterial *materials,
   const MpmMaterial *material = &materials[points->material[p]];
   PetscReal          mass     = MpmPointMass(points, materials, p);
 
-  if (layout->taken_up < 0) return mass;
-  return mass + MpmMaterialPhysicsValues(material, MpmPointOwn(points, material, p))[layout->taken_up] *
+  if (layout->own.taken_up < 0) return mass;
+  return mass + MpmMaterialPhysicsValues(material, MpmPointOwn(points, material, p))[layout->own.taken_up] *
                   points->volume0[p] * (MpmPointVolumeRatio(material, MpmPointF(points, p)) - 1.);
 }
 

@@ -17,35 +17,49 @@ typedef struct {
   PetscInt first[MPM_MAX_BLOCK + 1], input[MPM_MAX_INPUTS];
 } MpmComponentInputs;
 
-/*
-  The layout that follows from a physics' fields: block size, their shapes, and which basis function and component each
-  kernel input takes.
-*/
-typedef struct MpmLayout {
-  PetscInt           dim, block, inputs, rates;
-  MpmKinematics      kinematics;
-  PetscInt           field_count, field_of[MPM_MAX_BLOCK]; /* of each component */
-  PetscInt           shape_count;
-  MpmFieldShape      shape[MPM_MAX_SHAPES];
-  PetscInt           shape_of[MPM_MAX_BLOCK];
+/* One unknown of a node, with the data of its field. */
+typedef struct {
+  PetscInt    field, shape;
+  PetscBool   increment;
+  PetscBool   negative;      /* equations are taken times -1 */
+  const char *name, *symbol; /* symbol: NULL where it has none */
+  MpmNearNull near_null;     /* of the field */
+  MpmScale    scale;
+} MpmComponent;
+
+/* Basis function and component of each kernel input. */
+typedef struct {
+  PetscInt           count;
   MpmComponentInputs by_component;
-  PetscInt           component_of[MPM_MAX_INPUTS];
+  PetscInt           component[MPM_MAX_INPUTS];
   /* shape * MPM_BASES, + 0 weight, + 1.. derivatives, + dim + 1 deviation, + MPM_HOOP_BASIS weight over radius */
-  PetscInt    basis_of[MPM_MAX_INPUTS];
-  PetscInt    rate_component[MPM_MAX_BLOCK]; /* the nodal component of each value with a rate */
-  PetscInt    deviations;
-  PetscInt    deviation_component[MPM_MAX_BLOCK]; /* and of each deviation */
-  PetscInt    means; /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
-  PetscBool   increment[MPM_MAX_BLOCK];
-  PetscBool   negative[MPM_MAX_BLOCK];                                         /* equations are taken times -1 */
-  const char *component_name[MPM_MAX_BLOCK], *component_symbol[MPM_MAX_BLOCK]; /* symbol: NULL where it has none */
-  MpmNearNull near_null[MPM_MAX_BLOCK];                                        /* of the field of each component */
-  MpmScale    scale[MPM_MAX_BLOCK];
-  PetscInt    own_size; /* numbers that the physics keeps of a point */
-  PetscInt    taken_up; /* place, among the physics' values, of the density of water taken up; -1: none */
-  PetscBool   saddle;   /* the Jacobian is that of a saddle point */
-  PetscBool   solid;    /* the displacement's gradient is all that the kernel sees */
-  PetscBool   biot;     /* MPM_PHYSICS_BIOT */
+  PetscInt basis[MPM_MAX_INPUTS];
+} MpmLayoutInputs;
+
+/* Components that points keep a number of: values with a rate, or deviations. */
+typedef struct {
+  PetscInt count, component[MPM_MAX_BLOCK];
+} MpmKeptComponents;
+
+/* The layout that follows from a physics' fields: unknowns of a node, their shapes, and inputs of the kernel. */
+typedef struct MpmLayout {
+  MpmKinematics     kinematics;
+  PetscInt          dim, block;
+  MpmComponent      component[MPM_MAX_BLOCK];
+  PetscInt          field_count, shape_count;
+  MpmFieldShape     shape[MPM_MAX_SHAPES];
+  MpmLayoutInputs   input;
+  MpmKeptComponents rate, deviation;
+  PetscInt          means; /* 1: the kernel has one input more, the mean over the cell; otherwise 0 */
+  struct {
+    PetscInt size;     /* numbers that the physics keeps of a point */
+    PetscInt taken_up; /* place, among the physics' values, of the density of water taken up; -1: none */
+  } own;
+  struct {
+    PetscBool saddle; /* the Jacobian is that of a saddle point */
+    PetscBool solid;  /* the displacement's gradient is all that the kernel sees */
+    PetscBool biot;   /* MPM_PHYSICS_BIOT */
+  } traits;
   double (*ghost)(const MpmPhysicsMaterial *material, const double *value, double dt,
                   double h); /* as the physics has it */
   const MpmKernelSet *kernel;

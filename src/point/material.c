@@ -376,8 +376,8 @@ static PetscErrorCode ReadParameter(const MpmOptions *block, PetscInt dim, Petsc
   else PetscCall(MpmParameterRead(block, &parameter, &material->parameter[k], &material->table[k]));
   ParameterBounds(material, k, &least, &most);
   if (!strcmp(parameter.name, "density")) material->density = least;
-  if (!strcmp(parameter.name, "E")) material->penalty = most;
-  if (!strcmp(parameter.name, "nu")) material->nu = most;
+  if (!strcmp(parameter.name, "E")) material->moduli.penalty = most;
+  if (!strcmp(parameter.name, "nu")) material->moduli.nu = most;
   if (!strcmp(parameter.name, "dilation")) {
     material->dilation.least = least;
     material->dilation.most  = most;
@@ -426,10 +426,10 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
       (material->info.traits & ~(unsigned)MPM_LAW_SYMMETRIC) | (symmetric ? MPM_LAW_SYMMETRIC : 0);
   }
   PetscCall(CheckVariations(material));
-  material->stiffness = MpmMaterialStiffness(material, NULL, NULL, NULL);
+  material->moduli.stiffness = MpmMaterialStiffness(material, NULL, NULL, NULL);
   if (material->info.shear_modulus && material->info.traits & MPM_LAW_FIXED_MODULI)
-    material->shear_modulus = material->info.shear_modulus(material->parameter, material->table, NULL, NULL);
-  if (material->penalty == 0.) material->penalty = material->stiffness;
+    material->moduli.shear = material->info.shear_modulus(material->parameter, material->table, NULL, NULL);
+  if (material->moduli.penalty == 0.) material->moduli.penalty = material->moduli.stiffness;
   for (size_t i = 0; i < material->info.state_count; i++)
     material->state_size += MpmStateComponents(&material->info.states[i], dim);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -566,7 +566,7 @@ PetscReal MpmMaterialPenalty(const MpmMaterial *material, const double own[])
 {
   const PetscReal E = OwnNumber(material, own, "E", 0.);
 
-  if (!own || E > 0.) return own ? E : material->penalty;
+  if (!own || E > 0.) return own ? E : material->moduli.penalty;
   return MpmMaterialStiffness(material, own, NULL, NULL);
 }
 

@@ -23,17 +23,20 @@ typedef struct MpmMaterial {
   double      *physics_parameter; /* parameters of the physics, of this material and of the whole scene */
   MpmLawTable *table;             /* by parameter */
   MpmFunction  law[MPM_FORM_COUNT];
-  MpmDilatancy dilatancy;   /* of the law, where F-bar leaves dilation to the points; or NULL */
-  PetscReal    density, nu; /* nu: Poisson's ratio, 0 where the law has none */
+  MpmDilatancy dilatancy; /* of the law, where F-bar leaves dilation to the points; or NULL */
+  PetscReal    density;
   struct {
     PetscReal least, most; /* of the dilation angle and the residual one, degrees; 0 where the law has none */
   } dilation;
-  PetscReal stiffness, shear_modulus; /* at rest, Pa; the latter is 0 where the law has none */
-  PetscReal penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
-  PetscReal spacing; /* most cells from point to point on an axis at the start; 0: unknown */
-  PetscInt  state_size;
-  int       kinematics;  /* MpmKinematics that the law is compiled for */
-  MpmVariations *varies; /* NULL: uniform */
+  struct {
+    PetscReal stiffness, shear; /* at rest, Pa; the latter is 0 where the law has none */
+    PetscReal penalty; /* scale of penalties: E where the law has it; a constrained modulus locks as nu goes to 1/2 */
+    PetscReal nu;      /* Poisson's ratio, 0 where the law has none */
+  } moduli;
+  PetscReal      spacing; /* most cells from point to point on an axis at the start; 0: unknown */
+  PetscInt       state_size;
+  int            kinematics; /* MpmKinematics that the law is compiled for */
+  MpmVariations *varies;     /* NULL: uniform */
 } MpmMaterial;
 
 /* Materials, with the names of their blocks. */
@@ -93,13 +96,13 @@ PetscReal MpmMaterialShearModulus(const MpmMaterial *material, const double own[
 static inline PetscReal MpmMaterialStiffnessAt(const MpmMaterial *material, const double own[], const PetscReal state[],
                                                const PetscReal F[])
 {
-  if (!own && material->info.traits & MPM_LAW_FIXED_MODULI) return material->stiffness;
+  if (!own && material->info.traits & MPM_LAW_FIXED_MODULI) return material->moduli.stiffness;
   return MpmMaterialStiffness(material, own, state, F);
 }
 static inline PetscReal MpmMaterialShearModulusAt(const MpmMaterial *material, const double own[],
                                                   const PetscReal state[], const PetscReal F[])
 {
-  if (!own && material->info.traits & MPM_LAW_FIXED_MODULI) return material->shear_modulus;
+  if (!own && material->info.traits & MPM_LAW_FIXED_MODULI) return material->moduli.shear;
   return MpmMaterialShearModulus(material, own, state, F);
 }
 /*

@@ -116,25 +116,25 @@ static PetscErrorCode SetTraits(const MpmPhysics *physics, MpmLayout *layout)
   const PetscInt dim = layout->dim;
 
   PetscFunctionBeginUser;
-  for (PetscInt s = 0; s < physics->state_count; s++) layout->own_size += MpmStateComponents(&physics->states[s], dim);
-  layout->taken_up = physics->taken_up - 1;
+  for (PetscInt s = 0; s < physics->state_count; s++) layout->own.size += MpmStateComponents(&physics->states[s], dim);
+  layout->own.taken_up = physics->taken_up - 1;
   for (int k = 0; physics->taken_up && k < physics->parameter_count; k++)
-    layout->taken_up += MpmParameterPlaces(&physics->parameters[k]);
-  layout->means  = layout->kernel->mean ? 1 : 0;
-  layout->ghost  = physics->ghost;
-  layout->saddle = (PetscBool)((physics->traits & MPM_PHYSICS_SADDLE) != 0);
-  layout->solid  = (PetscBool)(physics->field_count == 1 && layout->inputs == MpmKinematicsF(layout->kinematics) &&
-                              layout->block == dim);
-  layout->biot   = (PetscBool)((physics->traits & MPM_PHYSICS_BIOT) != 0);
-  PetscCheck(!layout->biot || (physics->field_count == 2 && layout->shape_count == 1 && layout->block == dim + 1 &&
-                               layout->by_component.first[dim] == MpmKinematicsF(layout->kinematics) &&
-                               layout->inputs == MpmKinematicsF(layout->kinematics) + dim + 2),
-             PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: its fields are not those of MPM_PHYSICS_BIOT",
-             physics->name);
-  PetscCheck(layout->kernel->inputs == layout->inputs + layout->means && layout->kernel->residual &&
+    layout->own.taken_up += MpmParameterPlaces(&physics->parameters[k]);
+  layout->means         = layout->kernel->mean ? 1 : 0;
+  layout->ghost         = physics->ghost;
+  layout->traits.saddle = (PetscBool)((physics->traits & MPM_PHYSICS_SADDLE) != 0);
+  layout->traits.solid  = (PetscBool)(physics->field_count == 1 &&
+                                     layout->input.count == MpmKinematicsF(layout->kinematics) && layout->block == dim);
+  layout->traits.biot   = (PetscBool)((physics->traits & MPM_PHYSICS_BIOT) != 0);
+  PetscCheck(
+    !layout->traits.biot || (physics->field_count == 2 && layout->shape_count == 1 && layout->block == dim + 1 &&
+                             layout->input.by_component.first[dim] == MpmKinematicsF(layout->kinematics) &&
+                             layout->input.count == MpmKinematicsF(layout->kinematics) + dim + 2),
+    PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: its fields are not those of MPM_PHYSICS_BIOT", physics->name);
+  PetscCheck(layout->kernel->inputs == layout->input.count + layout->means && layout->kernel->residual &&
                layout->kernel->direction && layout->kernel->tangent,
              PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: kernel with %d inputs, fields with %" PetscInt_FMT,
-             physics->name, layout->kernel->inputs, layout->inputs);
+             physics->name, layout->kernel->inputs, layout->input.count);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -144,9 +144,9 @@ static void SortInputs(MpmLayout *layout)
   PetscInt count = 0;
 
   for (PetscInt c = 0; c < layout->block; c++) {
-    for (PetscInt k = 0; k < layout->inputs; k++)
-      if (layout->component_of[k] == c) layout->by_component.input[count++] = k;
-    layout->by_component.first[c + 1] = count;
+    for (PetscInt k = 0; k < layout->input.count; k++)
+      if (layout->input.component[k] == c) layout->input.by_component.input[count++] = k;
+    layout->input.by_component.first[c + 1] = count;
   }
 }
 
@@ -171,31 +171,31 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt kinematics, M
 
       PetscCheck(b < MPM_MAX_BLOCK, PETSC_COMM_SELF, PETSC_ERR_SUP, "physics %s has more than %d unknowns a node",
                  physics->name, MPM_MAX_BLOCK);
-      layout->component_name[b]   = field->increment ? (const char *const[]){"x", "y", "z"}[c] : field->name;
-      layout->component_symbol[b] = field->symbol;
-      layout->near_null[b]        = field->near_null;
-      layout->scale[b]            = field->scale;
-      layout->increment[b]        = (PetscBool)field->increment;
-      layout->negative[b]         = (PetscBool)field->negative;
-      layout->shape_of[b]         = shape;
-      layout->field_of[b]         = f;
-      if (field->rate) layout->rate_component[layout->rates++] = b;
+      layout->component[b].name      = field->increment ? (const char *const[]){"x", "y", "z"}[c] : field->name;
+      layout->component[b].symbol    = field->symbol;
+      layout->component[b].near_null = field->near_null;
+      layout->component[b].scale     = field->scale;
+      layout->component[b].increment = (PetscBool)field->increment;
+      layout->component[b].negative  = (PetscBool)field->negative;
+      layout->component[b].shape     = shape;
+      layout->component[b].field     = f;
+      if (field->rate) layout->rate.component[layout->rate.count++] = b;
       PetscCheck(!field->deviation || (field->rate && field->gradient && layout->shape[shape].spacing == 1),
                  PETSC_COMM_SELF, PETSC_ERR_SUP,
                  "physics %s, field %s: a deviation needs a rate, the gradient, and nodes on the grid's lattice",
                  physics->name, field->name);
-      if (field->deviation) layout->deviation_component[layout->deviations++] = b;
+      if (field->deviation) layout->deviation.component[layout->deviation.count++] = b;
       for (PetscInt basis = 0; basis < MPM_BASES; basis++) {
         if (!UsesBasis(field, dim, basis)) continue;
-        PetscCheck(layout->inputs < MPM_MAX_INPUTS, PETSC_COMM_SELF, PETSC_ERR_SUP,
+        PetscCheck(layout->input.count < MPM_MAX_INPUTS, PETSC_COMM_SELF, PETSC_ERR_SUP,
                    "physics %s has more than %d kernel inputs", physics->name, MPM_MAX_INPUTS);
-        layout->component_of[layout->inputs] = b;
-        layout->basis_of[layout->inputs++]   = shape * MPM_BASES + basis;
+        layout->input.component[layout->input.count] = b;
+        layout->input.basis[layout->input.count++]   = shape * MPM_BASES + basis;
       }
     }
     if (!f && layout->kinematics == MPM_AXISYMMETRY) {
-      layout->component_of[layout->inputs] = 0;
-      layout->basis_of[layout->inputs++]   = MPM_HOOP_BASIS;
+      layout->input.component[layout->input.count] = 0;
+      layout->input.basis[layout->input.count++]   = MPM_HOOP_BASIS;
     }
   }
   SortInputs(layout);
@@ -205,27 +205,27 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt kinematics, M
 
 PetscBool MpmLayoutUsesValues(const MpmLayout *layout)
 {
-  for (PetscInt k = 0; k < layout->inputs; k++)
-    if (layout->basis_of[k] % MPM_BASES == 0 || layout->basis_of[k] % MPM_BASES == MPM_DEVIATION(layout->dim) ||
-        (layout->kinematics == MPM_AXISYMMETRY && layout->basis_of[k] == MPM_HOOP_BASIS))
+  for (PetscInt k = 0; k < layout->input.count; k++)
+    if (layout->input.basis[k] % MPM_BASES == 0 || layout->input.basis[k] % MPM_BASES == MPM_DEVIATION(layout->dim) ||
+        (layout->kinematics == MPM_AXISYMMETRY && layout->input.basis[k] == MPM_HOOP_BASIS))
       return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 PetscBool MpmLayoutUsesDeviation(const MpmLayout *layout, PetscInt shape)
 {
-  for (PetscInt k = 0; k < layout->deviations; k++)
-    if (layout->shape_of[layout->deviation_component[k]] == shape) return PETSC_TRUE;
+  for (PetscInt k = 0; k < layout->deviation.count; k++)
+    if (layout->component[layout->deviation.component[k]].shape == shape) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 PetscInt MpmPressureComponent(const MpmLayout *layout)
 {
-  for (PetscInt r = 0; r < layout->rates; r++) {
-    const PetscInt c = layout->rate_component[r];
+  for (PetscInt r = 0; r < layout->rate.count; r++) {
+    const PetscInt c = layout->rate.component[r];
 
-    for (PetscInt k = layout->by_component.first[c]; k < layout->by_component.first[c + 1]; k++)
-      if (layout->basis_of[layout->by_component.input[k]] == 1) return c;
+    for (PetscInt k = layout->input.by_component.first[c]; k < layout->input.by_component.first[c + 1]; k++)
+      if (layout->input.basis[layout->input.by_component.input[k]] == 1) return c;
   }
   return -1;
 }

@@ -40,14 +40,14 @@ static const PetscInt (*Pairs(const MpmInitial *initial))[2]
 
 static MpmKernelPoint Point(const MpmInitial *initial, const PetscReal identity[], const PetscReal state_n[])
 {
-  return (MpmKernelPoint){.parameter = initial->own ? initial->own : initial->material->parameter,
-                          .state_n   = state_n,
-                          .F_n       = identity,
-                          .volume0   = 1.,
-                          .dt        = 1.,
-                          .traits    = initial->material->info.traits,
-                          .law       = initial->law,
-                          .table     = initial->material->table};
+  return (MpmKernelPoint){.material.parameter = initial->own ? initial->own : initial->material->parameter,
+                          .state_n            = state_n,
+                          .F_n                = identity,
+                          .volume0            = 1.,
+                          .dt                 = 1.,
+                          .material.traits    = initial->material->info.traits,
+                          .material.law       = initial->law,
+                          .material.table     = initial->material->table};
 }
 
 static void Identity(PetscInt dim, PetscReal F[])
@@ -174,7 +174,7 @@ static int FindGradient(const MpmInitial *initial, const PetscReal state_n[], co
       residual[s] = response.goal[s] - response.tau[s];
       error       = PetscMax(error, PetscAbsReal(residual[s]));
     }
-    if (error <= 1e-13 * largest + 4. * PETSC_MACHINE_EPSILON * initial->material->stiffness) return 0;
+    if (error <= 1e-13 * largest + 4. * PETSC_MACHINE_EPSILON * initial->material->moduli.stiffness) return 0;
     if (SolveSmall(n, response.slope, residual, step)) break;
     for (PetscInt s = 0; s < n; s++) longest = PetscMax(longest, PetscAbsReal(step[s]));
     for (PetscInt s = 0; s < n; s++) {
@@ -196,10 +196,10 @@ static int Take(const MpmInitial *initial, const PetscReal state_n[], const Pets
 
   Identity(initial->dim, identity);
   Gradient(initial, h, H);
-  point        = Point(initial, identity, state_n);
-  point.state  = initial->material->state_size ? state : NULL;
-  point.F      = F;
-  point.stress = sigma;
+  point            = Point(initial, identity, state_n);
+  point.end.state  = initial->material->state_size ? state : NULL;
+  point.end.F      = F;
+  point.end.stress = sigma;
   return initial->kernel.residual(&point, H, flux);
 }
 
@@ -233,7 +233,7 @@ static int AskForHistory(const MpmInitial *initial, PetscReal before[], const Pe
     largest = PetscMax(largest, PetscAbsReal(goal[s]));
     off     = PetscMax(off, PetscAbsReal(reached[s] - goal[s]));
   }
-  *moved = off > 1e-9 * largest + 64. * PETSC_MACHINE_EPSILON * initial->material->stiffness;
+  *moved = off > 1e-9 * largest + 64. * PETSC_MACHINE_EPSILON * initial->material->moduli.stiffness;
   return 0;
 }
 
@@ -306,9 +306,9 @@ int MpmInitialAcross(const MpmInitial *initial, const PetscReal F[], const Petsc
 
   *across = 0.;
   if (initial->dim != 2) return 0;
-  point.state  = initial->material->state_size ? after : NULL;
-  point.F      = F_next;
-  point.stress = reached;
+  point.end.state  = initial->material->state_size ? after : NULL;
+  point.end.F      = F_next;
+  point.end.stress = reached;
   if (initial->kernel.residual(&point, still, flux)) return 1;
   *across = Across(initial, F, stress[2], reached[2]);
   return 0;
@@ -325,10 +325,10 @@ int MpmInitialReturn(const MpmInitial *initial, const PetscReal F[], const Petsc
   for (PetscInt a = 0; a < dim; a++) full[a * (dim + 1)] = 1.;
   for (PetscInt k = 0; k < MpmKinematicsF(initial->material->kinematics); k++) full[Place(initial, k)] = F[k];
   CopyState(initial->material, model_dim, dim, state, before);
-  point        = Point(initial, full, before);
-  point.state  = initial->material->state_size ? after : NULL;
-  point.F      = F_next;
-  point.stress = reached;
+  point            = Point(initial, full, before);
+  point.end.state  = initial->material->state_size ? after : NULL;
+  point.end.F      = F_next;
+  point.end.stress = reached;
   if (initial->kernel.residual(&point, still, flux)) return 1;
   for (PetscInt s = 0; s < MpmSymSize(model_dim); s++) stress[s] = reached[s];
   return 0;

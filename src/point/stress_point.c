@@ -91,14 +91,14 @@ static PetscBool MakeIncrement(const MpmStressPoint *point, const PetscReal F[9]
 
 static MpmKernelPoint KernelPoint(const MpmStressPoint *point, const Increment *increment)
 {
-  return (MpmKernelPoint){.parameter = point->material->parameter,
-                          .state_n   = point->now.history,
-                          .F_n       = increment->F_n,
-                          .volume0   = 1.,
-                          .dt        = point->dt,
-                          .traits    = point->material->info.traits,
-                          .law       = point->material->law,
-                          .table     = point->material->table};
+  return (MpmKernelPoint){.material.parameter = point->material->parameter,
+                          .state_n            = point->now.history,
+                          .F_n                = increment->F_n,
+                          .volume0            = 1.,
+                          .dt                 = point->dt,
+                          .material.traits    = point->material->info.traits,
+                          .material.law       = point->material->law,
+                          .material.table     = point->material->table};
 }
 
 /* Stress in its measure, six components; history unless `history` is NULL. PETSC_FALSE where the law has no answer. */
@@ -110,10 +110,10 @@ static PetscBool FindStress(const MpmStressPoint *point, const PetscReal F[9], P
   PetscReal      flux[9], F_next[9], sym[MPM_SPACE_SYM] = {0.}, J;
 
   if (!MakeIncrement(point, F, &increment)) return PETSC_FALSE;
-  at        = KernelPoint(point, &increment);
-  at.state  = history;
-  at.F      = F_next;
-  at.stress = sym;
+  at            = KernelPoint(point, &increment);
+  at.end.state  = history;
+  at.end.F      = F_next;
+  at.end.stress = sym;
   if (point->kernel.residual(&at, increment.H, flux)) return PETSC_FALSE;
   J = point->stress_measure == MPM_STRESS_CAUCHY || IsSmallStrain(point)
         ? 1.
@@ -159,7 +159,7 @@ static void Column(const MpmStressPoint *point, const Increment *increment, cons
 static void TakeUnknowns(const MpmStressPoint *point, const PetscScalar x[], PetscReal strain[MPM_SPACE_SYM])
 {
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) strain[s] = point->control.value[s];
-  for (PetscInt k = 0; k < point->count; k++) strain[point->unknown[k]] = PetscRealPart(x[k]);
+  for (PetscInt k = 0; k < point->equations.count; k++) strain[point->equations.unknown[k]] = PetscRealPart(x[k]);
 }
 
 /* Rank 0: the residual of the unknowns; infinite where the law has no answer, and the line search backs off. */
@@ -172,8 +172,9 @@ static PetscErrorCode FillResidual(const MpmStressPoint *point, const PetscScala
   TakeUnknowns(point, unknown, strain);
   PetscCall(MpmStretchFromStrain(point->strain_measure, strain, F));
   good = FindStress(point, F, stress, NULL);
-  for (PetscInt k = 0; k < point->count; k++)
-    residual[k] = good ? stress[point->unknown[k]] - point->control.value[point->unknown[k]] : PETSC_INFINITY;
+  for (PetscInt k = 0; k < point->equations.count; k++)
+    residual[k] =
+      good ? stress[point->equations.unknown[k]] - point->control.value[point->equations.unknown[k]] : PETSC_INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -207,15 +208,15 @@ static PetscErrorCode FillJacobian(const MpmStressPoint *point, const PetscReal 
   if (!MakeIncrement(point, F, &increment)) PetscFunctionReturn(PETSC_SUCCESS);
   at = KernelPoint(point, &increment);
   if (point->kernel.tangent(&at, increment.H, P, tangent)) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < point->count; k++) {
+  for (PetscInt k = 0; k < point->equations.count; k++) {
     PetscReal derivative[9];
 
-    PetscCall(MpmStretchDerivative(point->strain_measure, strain, point->unknown[k], derivative));
+    PetscCall(MpmStretchDerivative(point->strain_measure, strain, point->equations.unknown[k], derivative));
     Block(n, derivative, block);
     Multiply(n, block, increment.F_n_inverse, change);
     Column(point, &increment, P, tangent, change, column);
-    for (PetscInt l = 0; l < point->count; l++) {
-      const PetscInt *pair = MpmSpacePairs[point->unknown[l]];
+    for (PetscInt l = 0; l < point->equations.count; l++) {
+      const PetscInt *pair = MpmSpacePairs[point->equations.unknown[l]];
 
       PetscCall(MatSetValue(matrix, l, k, column[pair[0] * n + pair[1]], INSERT_VALUES));
     }
@@ -255,7 +256,7 @@ static PetscErrorCode TestConvergence(SNES snes, PetscInt it, PetscReal xnorm, P
 
   PetscFunctionBeginUser;
   PetscCall(SNESConvergedDefault(snes, it, xnorm, step, fnorm, reason, NULL));
-  if (*reason == SNES_CONVERGED_ITERATING && fnorm <= point->noise) *reason = SNES_CONVERGED_FNORM_ABS;
+  if (*reason == SNES_CONVERGED_ITERATING && fnorm <= point->equations.noise) *reason = SNES_CONVERGED_FNORM_ABS;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -282,12 +283,13 @@ static PetscErrorCode Factor(PC pc)
   if (!point->rank) {
     PetscScalar copy[MPM_SPACE_SYM * MPM_SPACE_SYM];
 
-    PetscCall(PetscBLASIntCast(point->count, &n));
+    PetscCall(PetscBLASIntCast(point->equations.count, &n));
     PetscCall(MatDenseGetArrayRead(matrix, &entries));
-    PetscCall(PetscArraycpy(copy, entries, point->count * point->count));
+    PetscCall(PetscArraycpy(copy, entries, point->equations.count * point->equations.count));
     PetscCall(MatDenseRestoreArrayRead(matrix, &entries));
-    PetscCallBLAS("LAPACKgesvd", LAPACKgesvd_("A", "A", &n, &n, copy, &n, point->singular, point->left, &n,
-                                              point->right, &n, work, &room, &info));
+    PetscCallBLAS("LAPACKgesvd",
+                  LAPACKgesvd_("A", "A", &n, &n, copy, &n, point->equations.singular, point->equations.left, &n,
+                               point->equations.right, &n, work, &room, &info));
   }
   failed = info != 0;
   PetscCallMPI(MPI_Bcast(&failed, 1, MPI_INT, 0, point->comm));
@@ -299,17 +301,17 @@ static PetscErrorCode Factor(PC pc)
    `right`. */
 static void ShortestStep(const MpmStressPoint *point, PetscScalar f[], PetscScalar x[])
 {
-  const PetscInt n = point->count;
+  const PetscInt n = point->equations.count;
 
   for (PetscInt i = 0; i < n; i++) x[i] = 0.;
-  for (PetscInt k = 0; k < n && point->singular[k] > SINGULAR * point->stiffness; k++) {
-    const PetscScalar *left = &point->left[k * n];
+  for (PetscInt k = 0; k < n && point->equations.singular[k] > SINGULAR * point->stiffness; k++) {
+    const PetscScalar *left = &point->equations.left[k * n];
     PetscScalar        part = 0.;
 
     for (PetscInt i = 0; i < n; i++) part += left[i] * f[i];
     for (PetscInt i = 0; i < n; i++) {
       f[i] -= part * left[i];
-      x[i] += part / point->singular[k] * point->right[i * n + k];
+      x[i] += part / point->equations.singular[k] * point->equations.right[i * n + k];
     }
   }
   for (PetscInt i = 0; i < n; i++) x[i] += f[i] / point->stiffness;
@@ -325,7 +327,7 @@ static PetscErrorCode Substitute(PC pc, Vec f, Vec x)
   PetscCall(PCShellGetContext(pc, &point));
   PetscCall(VecGetArrayRead(f, &values));
   PetscCall(VecGetArray(x, &step));
-  for (PetscInt i = 0; i < point->count && !point->rank; i++) rest[i] = values[i];
+  for (PetscInt i = 0; i < point->equations.count && !point->rank; i++) rest[i] = values[i];
   if (!point->rank) ShortestStep(point, rest, step);
   PetscCall(VecRestoreArray(x, &step));
   PetscCall(VecRestoreArrayRead(f, &values));
@@ -334,25 +336,27 @@ static PetscErrorCode Substitute(PC pc, Vec f, Vec x)
 
 static PetscErrorCode CreateSolver(MpmStressPoint *point)
 {
-  const PetscInt own = point->rank ? 0 : point->count;
+  const PetscInt own = point->rank ? 0 : point->equations.count;
   SNESLineSearch search;
   KSP            ksp;
   PC             pc;
 
   PetscFunctionBeginUser;
-  PetscCall(VecCreateMPI(point->comm, own, point->count, &point->x));
-  PetscCall(VecDuplicate(point->x, &point->f));
-  PetscCall(MatCreateDense(point->comm, own, own, point->count, point->count, NULL, &point->jacobian));
-  PetscCall(SNESCreate(point->comm, &point->snes));
-  PetscCall(SNESSetType(point->snes, SNESNEWTONLS));
-  PetscCall(SNESSetTolerances(point->snes, PETSC_DEFAULT, NEWTON_RTOL, 0., NEWTON_LIMIT, PETSC_DEFAULT));
-  PetscCall(SNESSetDivergenceTolerance(point->snes, 1e12));
-  PetscCall(SNESSetFunction(point->snes, point->f, FormFunction, point));
-  PetscCall(SNESSetJacobian(point->snes, point->jacobian, point->jacobian, FormJacobian, point));
-  PetscCall(SNESSetConvergenceTest(point->snes, TestConvergence, point, NULL));
-  PetscCall(SNESGetLineSearch(point->snes, &search));
+  PetscCall(VecCreateMPI(point->comm, own, point->equations.count, &point->equations.x));
+  PetscCall(VecDuplicate(point->equations.x, &point->equations.f));
+  PetscCall(MatCreateDense(point->comm, own, own, point->equations.count, point->equations.count, NULL,
+                           &point->equations.jacobian));
+  PetscCall(SNESCreate(point->comm, &point->equations.snes));
+  PetscCall(SNESSetType(point->equations.snes, SNESNEWTONLS));
+  PetscCall(SNESSetTolerances(point->equations.snes, PETSC_DEFAULT, NEWTON_RTOL, 0., NEWTON_LIMIT, PETSC_DEFAULT));
+  PetscCall(SNESSetDivergenceTolerance(point->equations.snes, 1e12));
+  PetscCall(SNESSetFunction(point->equations.snes, point->equations.f, FormFunction, point));
+  PetscCall(
+    SNESSetJacobian(point->equations.snes, point->equations.jacobian, point->equations.jacobian, FormJacobian, point));
+  PetscCall(SNESSetConvergenceTest(point->equations.snes, TestConvergence, point, NULL));
+  PetscCall(SNESGetLineSearch(point->equations.snes, &search));
   PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHBT));
-  PetscCall(SNESGetKSP(point->snes, &ksp));
+  PetscCall(SNESGetKSP(point->equations.snes, &ksp));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCSHELL));
@@ -360,7 +364,7 @@ static PetscErrorCode CreateSolver(MpmStressPoint *point)
   PetscCall(PCShellSetContext(pc, point));
   PetscCall(PCShellSetSetUp(pc, Factor));
   PetscCall(PCShellSetApply(pc, Substitute));
-  PetscCall(SNESSetFromOptions(point->snes));
+  PetscCall(SNESSetFromOptions(point->equations.snes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -384,18 +388,18 @@ PetscErrorCode MpmStressPointCreate(MPI_Comm comm, const MpmMaterial *material, 
   PetscCall(PetscCalloc1(material->state_size, &point->now.history)); /* one by one: steps swap them */
   PetscCall(PetscCalloc1(material->state_size, &point->next.history));
   for (PetscInt s = 0; prescribes_stress && s < MPM_SPACE_SYM; s++)
-    if (prescribes_stress[s]) point->unknown[point->count++] = s;
-  if (point->count) PetscCall(CreateSolver(point));
+    if (prescribes_stress[s]) point->equations.unknown[point->equations.count++] = s;
+  if (point->equations.count) PetscCall(CreateSolver(point));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmStressPointDestroy(MpmStressPoint *point)
 {
   PetscFunctionBeginUser;
-  PetscCall(SNESDestroy(&point->snes));
-  PetscCall(MatDestroy(&point->jacobian));
-  PetscCall(VecDestroy(&point->x));
-  PetscCall(VecDestroy(&point->f));
+  PetscCall(SNESDestroy(&point->equations.snes));
+  PetscCall(MatDestroy(&point->equations.jacobian));
+  PetscCall(VecDestroy(&point->equations.x));
+  PetscCall(VecDestroy(&point->equations.f));
   PetscCall(PetscFree(point->now.history));
   PetscCall(PetscFree(point->next.history));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -443,7 +447,7 @@ PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress
   for (PetscInt i = 0; i < n; i++)
     for (PetscInt j = 0; j < n; j++) point->F_start[3 * i + j] = F[i * n + j];
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) largest = PetscMax(largest, PetscAbsReal(stress[s]));
-  largest = STRESS_MET * largest + 64. * PETSC_MACHINE_EPSILON * point->material->stiffness;
+  largest = STRESS_MET * largest + 64. * PETSC_MACHINE_EPSILON * point->material->moduli.stiffness;
   for (PetscInt s = 0; s < MpmSymSize(n) && !outcome->code; s++) {
     if (PetscAbsReal(reached[s] - stress[s]) <= largest) continue;
     PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
@@ -469,32 +473,32 @@ static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, MpmOutcome *o
 
   PetscFunctionBeginUser;
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) largest = PetscMax(largest, PetscAbsReal(point->now.stress[s]));
-  for (PetscInt k = 0; k < point->count; k++)
-    largest = PetscMax(largest, PetscAbsReal(point->control.value[point->unknown[k]]));
-  point->stiffness = MpmMaterialStiffness(point->material, NULL, point->now.history, NULL);
-  point->noise     = NOISE * PETSC_MACHINE_EPSILON * (largest + point->stiffness);
-  PetscCall(VecGetArray(point->x, &x));
-  for (PetscInt k = 0; k < point->count && !point->rank; k++)
-    x[k] = point->now.strain[point->unknown[k]] + time * point->rate[point->unknown[k]];
-  PetscCall(VecRestoreArray(point->x, &x));
-  PetscCall(SNESSolve(point->snes, NULL, point->x));
-  PetscCall(SNESGetConvergedReason(point->snes, &reason));
-  PetscCall(SNESGetIterationNumber(point->snes, &newton));
-  PetscCall(SNESGetLinearSolveIterations(point->snes, &linear));
-  point->newton += newton;
-  point->linear += linear;
+  for (PetscInt k = 0; k < point->equations.count; k++)
+    largest = PetscMax(largest, PetscAbsReal(point->control.value[point->equations.unknown[k]]));
+  point->stiffness       = MpmMaterialStiffness(point->material, NULL, point->now.history, NULL);
+  point->equations.noise = NOISE * PETSC_MACHINE_EPSILON * (largest + point->stiffness);
+  PetscCall(VecGetArray(point->equations.x, &x));
+  for (PetscInt k = 0; k < point->equations.count && !point->rank; k++)
+    x[k] = point->now.strain[point->equations.unknown[k]] + time * point->rate[point->equations.unknown[k]];
+  PetscCall(VecRestoreArray(point->equations.x, &x));
+  PetscCall(SNESSolve(point->equations.snes, NULL, point->equations.x));
+  PetscCall(SNESGetConvergedReason(point->equations.snes, &reason));
+  PetscCall(SNESGetIterationNumber(point->equations.snes, &newton));
+  PetscCall(SNESGetLinearSolveIterations(point->equations.snes, &linear));
+  point->equations.newton += newton;
+  point->equations.linear += linear;
   MpmOutcomeClear(outcome);
   if (reason == SNES_DIVERGED_LINE_SEARCH) {
-    PetscCall(SNESGetFunctionNorm(point->snes, &norm));
+    PetscCall(SNESGetFunctionNorm(point->equations.snes, &norm));
     if (norm <= STALLED * largest) reason = SNES_CONVERGED_FNORM_ABS;
   }
   if (reason <= 0) {
     PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_SOLUTION, "%s", MpmNewtonReason(reason)));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(VecGetArrayRead(point->x, &found));
-  for (PetscInt k = 0; k < point->count && !point->rank; k++) unknown[k] = found[k];
-  PetscCall(VecRestoreArrayRead(point->x, &found));
+  PetscCall(VecGetArrayRead(point->equations.x, &found));
+  for (PetscInt k = 0; k < point->equations.count && !point->rank; k++) unknown[k] = found[k];
+  PetscCall(VecRestoreArrayRead(point->equations.x, &found));
   PetscCallMPI(MPI_Bcast(unknown, MPM_SPACE_SYM, MPIU_SCALAR, 0, point->comm));
   TakeUnknowns(point, unknown, point->next.strain);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -505,14 +509,14 @@ PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *
 {
   PetscFunctionBeginUser;
   MpmOutcomeClear(outcome);
-  point->control = *control;
-  point->dt      = dt;
-  point->newton = point->linear = 0;
+  point->control          = *control;
+  point->dt               = dt;
+  point->equations.newton = point->equations.linear = 0;
   if (control->whole) {
     PetscCall(PetscArraycpy(point->next.F, control->F, 9));
     PetscCall(MpmStrainFromDeformation(point->strain_measure, point->next.F, point->next.strain));
   } else {
-    if (!point->count) PetscCall(PetscArraycpy(point->next.strain, control->value, MPM_SPACE_SYM));
+    if (!point->equations.count) PetscCall(PetscArraycpy(point->next.strain, control->value, MPM_SPACE_SYM));
     else PetscCall(Solve(point, 0., outcome));
     if (outcome->code) PetscCall(Solve(point, dt, outcome)); /* extrapolated flow may be too far for an elastic trial */
     if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);

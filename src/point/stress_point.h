@@ -31,6 +31,19 @@ typedef struct {
   PetscReal *history;                                      /* of the law */
 } MpmPointState;
 
+/* The equations of a step: prescribed stresses, for strains as unknowns. The unknowns are rank 0's. */
+typedef struct {
+  PetscInt    count, unknown[MPM_SPACE_SYM]; /* components whose stress is prescribed */
+  PetscReal   noise;                         /* residual that rounding leaves */
+  SNES        snes;                          /* NULL: nothing to solve for */
+  Mat         jacobian;
+  Vec         x, f;
+  PetscReal   singular[MPM_SPACE_SYM];              /* values of the Jacobian */
+  PetscScalar left[MPM_SPACE_SYM * MPM_SPACE_SYM];  /* singular vectors, by columns */
+  PetscScalar right[MPM_SPACE_SYM * MPM_SPACE_SYM]; /* by rows */
+  PetscInt    newton, linear;                       /* iterations of the last step */
+} MpmPointEquations;
+
 typedef struct {
   MPI_Comm           comm;
   PetscMPIInt        rank;
@@ -41,17 +54,11 @@ typedef struct {
   MpmKernelSet       kernel;
   PetscReal          F_start[9]; /* the deformation that carries the stress at the start; I where the history does */
   MpmPointState      now, next;
-  PetscReal          rate[MPM_SPACE_SYM];           /* of the strain in the last step, 1/s */
-  MpmPointControl    control;                       /* of the step under way */
-  PetscReal          dt, noise, stiffness;          /* s; residual that rounding leaves, stiffness of the law, Pa */
-  PetscInt           count, unknown[MPM_SPACE_SYM]; /* components whose stress is prescribed */
-  SNES               snes;                          /* NULL: nothing to solve for. The unknowns are rank 0's */
-  Mat                jacobian;
-  Vec                x, f;
-  PetscReal
-    singular[MPM_SPACE_SYM]; /* rank 0: singular values of the Jacobian, and their vectors by columns and by rows */
-  PetscScalar left[MPM_SPACE_SYM * MPM_SPACE_SYM], right[MPM_SPACE_SYM * MPM_SPACE_SYM];
-  PetscInt    newton, linear; /* iterations of the last step */
+  PetscReal          rate[MPM_SPACE_SYM]; /* of the strain in the last step, 1/s */
+  PetscReal          stiffness;           /* of the law, Pa */
+  MpmPointControl    control;             /* of the step under way */
+  PetscReal          dt;                  /* s */
+  MpmPointEquations  equations;
 } MpmStressPoint;
 
 /*@

@@ -78,7 +78,7 @@ PetscErrorCode MpmCellsBoxes(void *ctx, const MpmRules *rules, const MpmPoints *
 PetscErrorCode MpmCellWorkCreate(const MpmSum *sum, MpmCellWork *work)
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  n = PetscPowInt(space->width, space->dim), bs = sum->block, all = sum->layout->inputs + 1;
+  const PetscInt  n = PetscPowInt(space->width, space->dim), bs = sum->block, all = sum->layout->input.count + 1;
   const PetscInt  size = MpmBasisCount(space) * n + 3 * all + all * all + MpmTangentSize(sum->layout);
   PetscInt        most = 0;
 
@@ -97,7 +97,7 @@ PetscErrorCode MpmCellWorkCreate(const MpmSum *sum, MpmCellWork *work)
     at->dinput  = at->input + all;
     at->flux    = at->dinput + all;
     at->ddm     = at->flux + all;
-    at->tangent = MpmTangentAt(sum->layout->inputs, at->ddm + all * all);
+    at->tangent = MpmTangentAt(sum->layout->input.count, at->ddm + all * all);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -172,7 +172,7 @@ PetscErrorCode MpmCellMean(const MpmSum *sum, const MpmCell *cell, PetscBool sec
 PetscErrorCode MpmCellResidual(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], MpmCellWork *work,
                                PetscInt *failed)
 {
-  const PetscInt end = MpmCellEnd(sum, cell), N = sum->layout->inputs, before = *failed;
+  const PetscInt end = MpmCellEnd(sum, cell), N = sum->layout->input.count, before = *failed;
 
   PetscFunctionBeginUser;
   PetscCall(MpmCellInputs(sum, cell, u, NULL, work));

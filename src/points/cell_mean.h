@@ -19,7 +19,7 @@ typedef struct {
 } MpmTangent;
 static inline PetscInt MpmTangentSize(const MpmLayout *layout)
 {
-  return layout->inputs * layout->inputs + layout->means * (3 * layout->inputs + 1);
+  return layout->input.count * layout->input.count + layout->means * (3 * layout->input.count + 1);
 }
 static inline MpmTangent MpmTangentAt(PetscInt N, PetscReal row[])
 {

@@ -34,7 +34,7 @@ MPM_INLINE void RowSum(PetscInt length, PetscInt count, const PetscReal factor[]
 /* The k-th input by component. */
 MPM_INLINE PetscInt InputAt(const MpmKnown known, const MpmLayout *layout, PetscInt k)
 {
-  return known.solid ? k : layout->by_component.input[k];
+  return known.solid ? k : layout->input.by_component.input[k];
 }
 
 /*
@@ -50,8 +50,8 @@ MPM_INLINE void AddElement(const MpmKnown known, const MpmLayout *layout, const 
 
   for (PetscInt k = 0; k < N; k++) {
     for (PetscInt d = 0; d < bs; d++) {
-      const PetscInt   l0    = known.solid ? d * known.dim : layout->by_component.first[d];
-      const PetscInt   count = known.solid ? known.dim : layout->by_component.first[d + 1] - l0;
+      const PetscInt   l0    = known.solid ? d * known.dim : layout->input.by_component.first[d];
+      const PetscInt   count = known.solid ? known.dim : layout->input.by_component.first[d + 1] - l0;
       PetscReal        by[MPM_MAX_INPUTS];
       const PetscReal *phi[MPM_MAX_INPUTS];
 
@@ -66,8 +66,8 @@ MPM_INLINE void AddElement(const MpmKnown known, const MpmLayout *layout, const 
   }
   for (PetscInt i = 0; i < n; i++) {
     for (PetscInt c = 0; c < bs; c++) {
-      const PetscInt   first = known.solid ? c * known.dim : layout->by_component.first[c];
-      const PetscInt   count = known.solid ? known.dim : layout->by_component.first[c + 1] - first;
+      const PetscInt   first = known.solid ? c * known.dim : layout->input.by_component.first[c];
+      const PetscInt   count = known.solid ? known.dim : layout->input.by_component.first[c + 1] - first;
       PetscReal        phi[MPM_MAX_INPUTS];
       const PetscReal *row[MPM_MAX_INPUTS];
 

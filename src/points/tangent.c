@@ -19,7 +19,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   (void)ctx;
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(MpmCouplingCreate(sum, &to.coupling));
-  PetscCall(PetscMalloc2((most * most * bs * bs), &to.element, (most * bs * sum->layout->inputs), &to.rows));
+  PetscCall(PetscMalloc2((most * most * bs * bs), &to.element, (most * bs * sum->layout->input.count), &to.rows));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmCell groups = MpmUnitGroups(sum, unit);
 

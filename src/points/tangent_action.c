@@ -124,7 +124,7 @@ static int WholeFlux(const MpmLayout *layout, const MpmKernelPoint *point, const
   if (layout->kernel->residual(point, input, flux)) return 1;
   if (!layout->means) return 0;
   if (layout->kernel->mean(point, input, &m, dm, NULL)) return 1;
-  for (PetscInt k = 0; k < layout->inputs; k++) flux[k] += f * dm[k];
+  for (PetscInt k = 0; k < layout->input.count; k++) flux[k] += f * dm[k];
   return 0;
 }
 
@@ -132,7 +132,7 @@ static int WholeFlux(const MpmLayout *layout, const MpmKernelPoint *point, const
 static int Difference(const MpmLayout *layout, const MpmKernelPoint *point, const PetscReal input[],
                       const PetscReal dinput[], PetscReal f, PetscReal dflux[])
 {
-  const PetscInt N = layout->inputs + layout->means;
+  const PetscInt N = layout->input.count + layout->means;
   PetscReal      forward[MPM_MAX_INPUTS], backward[MPM_MAX_INPUTS], shifted[MPM_MAX_INPUTS], size = 0.;
 
   for (PetscInt k = 0; k < N; k++) size = PetscMax(size, PetscAbsReal(dinput[k]));
@@ -203,7 +203,7 @@ MPM_INLINE void ChangeByTangent(const PetscInt N, const MpmTangent *tangent, con
 static int ChangeByKernel(const MpmAction *action, PetscReal f, const MpmCellPoint *at)
 {
   const MpmLayout *layout = action->sum->layout;
-  const PetscInt   N      = layout->inputs;
+  const PetscInt   N      = layout->input.count;
   PetscReal        flux[MPM_MAX_INPUTS];
 
   if (action->differences) return Difference(layout, &at->point, at->input, at->dinput, f, at->flux);

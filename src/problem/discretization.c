@@ -24,15 +24,15 @@
 PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *layout, MpmDiscretization *disc)
 {
   PetscFunctionBeginUser;
-  *disc = (MpmDiscretization){.comm = comm, .grid = grid, .layout = layout, .parts = 1};
+  *disc = (MpmDiscretization){.comm = comm, .grid = grid, .layout = layout, .material.parts = 1};
   PetscCall(PetscNew(&disc->points));
   PetscCall(PetscNew(&disc->space));
   PetscCall(PetscNew(&disc->constraints));
-  PetscCall(PetscNew(&disc->contacts));
-  PetscCall(PetscNew(&disc->pairs));
-  PetscCall(PetscNew(&disc->surfaces));
-  PetscCall(PetscNew(&disc->inertia));
-  PetscCall(PetscNew(&disc->damping));
+  PetscCall(PetscNew(&disc->context.contacts));
+  PetscCall(PetscNew(&disc->context.pairs));
+  PetscCall(PetscNew(&disc->context.surfaces));
+  PetscCall(PetscNew(&disc->context.inertia));
+  PetscCall(PetscNew(&disc->context.damping));
   PetscCall(PetscNew(&disc->trial));
   PetscCall(PetscNew(&disc->sum));
   *disc->sum =
@@ -55,25 +55,26 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
                                       MpmPlacement *placements, PetscInt state_size)
 {
   PetscFunctionBeginUser;
-  disc->material_count  = materials->count;
+  disc->material.count  = materials->count;
   disc->sum->materials  = materials->at;
   disc->sum->state_size = state_size;
-  disc->sum->own_size   = disc->layout->own_size;
-  PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, disc->contacts));
-  disc->contacts->facets.shaped = bodies;
-  PetscCall(MpmRigidCreate(disc->contacts, placements));
-  disc->contacts->material_count = materials->count;
+  disc->sum->own_size   = disc->layout->own.size;
+  PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, disc->context.contacts));
+  disc->context.contacts->facets.shaped = bodies;
+  PetscCall(MpmRigidCreate(disc->context.contacts, placements));
+  disc->context.contacts->material_count = materials->count;
   PetscCall(MpmTermsAdd(&disc->terms, disc->layout->means ? &MpmTermCellMeans : &MpmTermPoints, NULL));
-  if (disc->layout->taken_up >= 0) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermWaterWeight, NULL));
+  if (disc->layout->own.taken_up >= 0) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermWaterWeight, NULL));
   PetscCall(MpmTermsAdd(&disc->terms, &MpmTermGhost, NULL));
-  if (boundaries->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->contacts));
-  PetscCall(
-    MpmPairContactsCreate(disc->comm, pairs, bodies, state_size, MpmPressureComponent(disc->layout), disc->pairs));
-  if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->pairs));
-  if (disc->contacts->facets.bodies) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->contacts));
-  if (disc->inertia->dynamic || disc->inertia->settles)
-    PetscCall(MpmTermsAdd(&disc->terms, &MpmTermInertia, disc->inertia));
-  if (disc->inertia->dynamic) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermDamping, disc->damping));
+  if (boundaries->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermContact, disc->context.contacts));
+  PetscCall(MpmPairContactsCreate(disc->comm, pairs, bodies, state_size, MpmPressureComponent(disc->layout),
+                                  disc->context.pairs));
+  if (pairs->count) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBodyContact, disc->context.pairs));
+  if (disc->context.contacts->facets.bodies)
+    PetscCall(MpmTermsAdd(&disc->terms, &MpmTermRigidBodies, disc->context.contacts));
+  if (disc->context.inertia->dynamic || disc->context.inertia->settles)
+    PetscCall(MpmTermsAdd(&disc->terms, &MpmTermInertia, disc->context.inertia));
+  if (disc->context.inertia->dynamic) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermDamping, disc->context.damping));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -82,12 +83,13 @@ PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBo
 {
   PetscFunctionBeginUser;
   if (!surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSurfaceFacesCreate(surfaces, acting, disc->surfaces));
-  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaces, disc->surfaces));
-  disc->surfaces->kernel    = kernel;
-  disc->surfaces->contacts  = disc->contacts;
-  disc->surfaces->component = MpmPressureComponent(disc->layout);
-  if (disc->surfaces->any_held) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaceFlow, disc->surfaces));
+  PetscCall(MpmSurfaceFacesCreate(surfaces, acting, disc->context.surfaces));
+  PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaces, disc->context.surfaces));
+  disc->context.surfaces->kernel    = kernel;
+  disc->context.surfaces->contacts  = disc->context.contacts;
+  disc->context.surfaces->component = MpmPressureComponent(disc->layout);
+  if (disc->context.surfaces->any_held)
+    PetscCall(MpmTermsAdd(&disc->terms, &MpmTermSurfaceFlow, disc->context.surfaces));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -158,27 +160,27 @@ PetscErrorCode MpmTrialReset(MpmTrial *trial)
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmPatternDestroy(&disc->pattern));
+  PetscCall(MpmPatternDestroy(&disc->matrix.pattern));
   PetscCall(MpmSpaceReset(disc->space));
   PetscCall(MpmConstraintsReset(disc->constraints));
-  PetscCall(PetscFree3(disc->u, disc->residual, disc->force));
+  PetscCall(PetscFree3(disc->nodal.u, disc->nodal.residual, disc->nodal.force));
   PetscCall(PetscFree(disc->deviation_n));
   PetscCall(MpmTrialReset(disc->trial));
-  PetscCall(PetscFree(disc->reaction));
-  PetscCall(MpmContactsDestroy(disc->contacts));
-  PetscCall(MpmPairContactsDestroy(disc->pairs));
-  PetscCall(MpmSurfaceFacesDestroy(disc->surfaces));
+  PetscCall(PetscFree(disc->nodal.reaction));
+  PetscCall(MpmContactsDestroy(disc->context.contacts));
+  PetscCall(MpmPairContactsDestroy(disc->context.pairs));
+  PetscCall(MpmSurfaceFacesDestroy(disc->context.surfaces));
   PetscCall(MpmTermsDestroy(&disc->terms));
   PetscCall(PetscFree(disc->points));
   PetscCall(PetscFree(disc->space));
   PetscCall(PetscFree(disc->constraints));
-  PetscCall(PetscFree(disc->contacts));
-  PetscCall(PetscFree(disc->pairs));
-  PetscCall(PetscFree(disc->surfaces));
-  PetscCall(MpmInertiaReset(disc->inertia));
-  PetscCall(PetscFree(disc->inertia));
-  PetscCall(MpmDampingReset(disc->damping));
-  PetscCall(PetscFree(disc->damping));
+  PetscCall(PetscFree(disc->context.contacts));
+  PetscCall(PetscFree(disc->context.pairs));
+  PetscCall(PetscFree(disc->context.surfaces));
+  PetscCall(MpmInertiaReset(disc->context.inertia));
+  PetscCall(PetscFree(disc->context.inertia));
+  PetscCall(MpmDampingReset(disc->context.damping));
+  PetscCall(PetscFree(disc->context.damping));
   PetscCall(PetscFree(disc->trial));
   PetscCall(PetscFree3(disc->sum->still.pressure, disc->sum->still.bent, disc->sum->still.gravity));
   PetscCall(PetscFree(disc->sum));

@@ -6,37 +6,51 @@
 #include "base/types.h"
 #include "talus/point/tables.h"
 
-/*
-  The discrete problem of a step: the points as lent to it, its space, prescribed values, and data of the sums over
-  points. Arrays of nodal values are those of the local nodes, along the axes.
-*/
-typedef struct MpmDiscretization {
-  MPI_Comm         comm;
-  PetscInt         dim, block;     /* directions, and unknowns a node */
-  PetscReal        h[MPM_MAX_DIM]; /* of a cell as the grid was read, m */
-  MpmGrid         *grid;
-  MpmLayout       *layout;
-  PetscInt         material_count; /* of the scene's, sum->materials */
-  MpmPoints       *points;
-  MpmSpace        *space;
-  MpmConstraints  *constraints;
-  MpmPattern      *pattern; /* NULL before the first assembled matrix */
-  MpmSum          *sum;
+/* Values of the local nodes, along the axes, `block` a node, and those of the last committed step. */
+typedef struct {
+  PetscReal *u, *residual, *force;
+  PetscReal *reaction;  /* per condition or, behind them, motion, and component of the block */
+  PetscBool  committed; /* u, residual and force belong to the last committed step */
+} MpmNodalValues;
+
+/* Contexts of the table of terms: data that terms keep from step to step. */
+typedef struct {
   MpmContacts     *contacts;
   MpmPairContacts *pairs;    /* of bodies */
   MpmSurfaceFaces *surfaces; /* of bodies */
   MpmInertia      *inertia;
   MpmDamping      *damping;
-  MpmTerms        *terms;
-  MpmTrial        *trial;
-  MpmSections     *sections; /* NULL: none */
-  PetscReal       *u, *residual, *force;
-  PetscReal       *deviation_n; /* of the points; sum->deviation_n */
-  PetscReal       *reaction;    /* per condition or, behind them, motion, and component of the block */
-  PetscBool        committed;   /* these three belong to the last committed step */
-  PetscReal        diagonal;    /* of prescribed unknowns: a typical stiffness */
-  PetscReal        ghost;       /* factor of the ghost penalty, 0: none */
-  PetscInt         parts;       /* of the material, with nodes of their own; 1: all bodies share them */
+} MpmTermContexts;
+
+/*
+  The discrete problem of a step: the points as lent to it, its space, prescribed values, and data of the sums over
+  points.
+*/
+typedef struct MpmDiscretization {
+  MPI_Comm        comm;
+  PetscInt        dim, block;     /* directions, and unknowns a node */
+  PetscReal       h[MPM_MAX_DIM]; /* of a cell as the grid was read, m */
+  MpmGrid        *grid;
+  MpmLayout      *layout;
+  MpmPoints      *points;
+  MpmSpace       *space;
+  MpmConstraints *constraints;
+  MpmSum         *sum;
+  MpmTerms       *terms;
+  MpmTermContexts context;
+  MpmTrial       *trial;
+  MpmSections    *sections;    /* NULL: none */
+  PetscReal      *deviation_n; /* of the points; sum->deviation_n */
+  MpmNodalValues  nodal;
+  struct {
+    MpmPattern *pattern;  /* NULL before the first assembled matrix */
+    PetscReal   diagonal; /* of prescribed unknowns: a typical stiffness */
+    PetscReal   ghost;    /* factor of the ghost penalty, 0: none */
+  } matrix;
+  struct {
+    PetscInt count; /* of the scene's materials, sum->materials */
+    PetscInt parts; /* of the material, with nodes of their own; 1: all bodies share them */
+  } material;
 } MpmDiscretization;
 
 /*

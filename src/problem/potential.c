@@ -37,10 +37,10 @@ static PetscBool HasPotential(const MpmMaterial *material)
 
 PetscBool MpmPotentialExists(const MpmDiscretization *disc)
 {
-  for (PetscInt m = 0; m < disc->material_count; m++)
+  for (PetscInt m = 0; m < disc->material.count; m++)
     if (!HasPotential(&disc->sum->materials[m])) return PETSC_FALSE;
-  return (PetscBool)(MpmTermsHaveEnergy(disc->terms) && disc->layout->solid && disc->block == disc->dim &&
-                     !disc->layout->means && disc->parts == 1);
+  return (PetscBool)(MpmTermsHaveEnergy(disc->terms) && disc->layout->traits.solid && disc->block == disc->dim &&
+                     !disc->layout->means && disc->material.parts == 1);
 }
 
 /* Energy stored in the points of this rank, in the trial. */
@@ -58,18 +58,18 @@ MPM_INLINE PetscReal Stored(const PetscInt dim, const MpmDiscretization *disc)
   return total;
 }
 
-/* The trial becomes that of disc->u, without the residual, which it no longer goes with; unless it is there. */
+/* The trial becomes that of disc->nodal.u, without the residual, which it no longer goes with; unless it is there. */
 static PetscErrorCode FindTrial(MpmDiscretization *disc, PetscInt *failed)
 {
   PetscBool same = disc->trial->made;
 
   PetscFunctionBeginUser;
   *failed = 0;
-  if (same) PetscCall(PetscArraycmp(disc->trial->u, disc->u, MpmNodesLocal(disc) * disc->block, &same));
+  if (same) PetscCall(PetscArraycmp(disc->trial->u, disc->nodal.u, MpmNodesLocal(disc) * disc->block, &same));
   if (same) PetscFunctionReturn(PETSC_SUCCESS);
   disc->trial->made = PETSC_FALSE;
   disc->sum->trial  = disc->trial;
-  PetscCall(MpmPointsUpdate(disc->sum, disc->u, failed));
+  PetscCall(MpmPointsUpdate(disc->sum, disc->nodal.u, failed));
   disc->sum->trial = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -83,10 +83,10 @@ static PetscErrorCode AddTerms(const MpmDiscretization *disc, PetscReal *value)
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc2(count, &force, count, &zero));
-  PetscCall(MpmTermsResidualQuadratic(disc->terms, disc->sum, disc->u, force, &failed));
-  if (disc->inertia->active) PetscCall(MpmTermsResidualQuadratic(disc->terms, disc->sum, zero, force, &failed));
-  for (PetscInt k = 0; k < count; k++) *value += 0.5 * disc->u[k] * force[k];
-  PetscCall(MpmTermsEnergy(disc->terms, disc->sum, disc->u, value, &failed));
+  PetscCall(MpmTermsResidualQuadratic(disc->terms, disc->sum, disc->nodal.u, force, &failed));
+  if (disc->context.inertia->active) PetscCall(MpmTermsResidualQuadratic(disc->terms, disc->sum, zero, force, &failed));
+  for (PetscInt k = 0; k < count; k++) *value += 0.5 * disc->nodal.u[k] * force[k];
+  PetscCall(MpmTermsEnergy(disc->terms, disc->sum, disc->nodal.u, value, &failed));
   PetscCall(PetscFree2(force, zero));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -101,7 +101,7 @@ PetscErrorCode MpmPotentialEvaluate(MpmDiscretization *disc, PetscReal *value, P
   if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
   part[0] = disc->sum->part * (disc->dim == 2 ? Stored(2, disc) : Stored(3, disc));
   PetscCall(AddTerms(disc, &part[1]));
-  for (PetscInt k = 0; k < MpmNodesLocal(disc) * disc->block; k++) part[2] -= disc->force[k] * disc->u[k];
+  for (PetscInt k = 0; k < MpmNodesLocal(disc) * disc->block; k++) part[2] -= disc->nodal.force[k] * disc->nodal.u[k];
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, part, 3, MPIU_REAL, MPIU_SUM, disc->comm));
   *value = part[0] + part[1] + part[2];
   *size  = PetscAbsReal(part[0]) + PetscAbsReal(part[1]) + PetscAbsReal(part[2]);

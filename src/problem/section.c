@@ -416,7 +416,7 @@ static void PointFlux(Pass *pass, const PetscReal values[], PetscInt p, const Mp
   MpmSumInputs(known, layout, values, &pass->basis, input);
   MpmSumPoint(pass->sum, p, &point);
   if (layout->kernel->residual(&point, input, pass->flux)) /* a converged step has no such point */
-    for (PetscInt k = 0; k < layout->inputs; k++) pass->flux[k] = 0.;
+    for (PetscInt k = 0; k < layout->input.count; k++) pass->flux[k] = 0.;
 }
 
 /* Forces of the chosen points at the group's nodes; `cell`: the fluxes of the group's points are there already. */

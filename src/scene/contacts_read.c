@@ -87,6 +87,6 @@ PetscErrorCode MpmContactsRead(MpmModel model, PetscBool water, const MpmOptions
   }
   for (PetscInt k = 0; k < 2 * pairs->count; k++)
     pairs->at[k / 2].part[k % 2] = bodies->part[pairs->at[k / 2].body[k % 2]];
-  model->disc.parts = bodies->parts;
+  model->disc.material.parts = bodies->parts;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -264,7 +264,7 @@ static PetscErrorCode CheckExplicit(const MpmModel model, const MpmStage *stage)
   for (PetscInt b = 0; !stage->relaxation.scaled && b < model->scene.bodies->count; b++) {
     const MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
     const PetscReal    crossing =
-      MpmExplicitPart(&time->motion) * cell / PetscSqrtReal(material->stiffness / material->density);
+      MpmExplicitPart(&time->motion) * cell / PetscSqrtReal(material->moduli.stiffness / material->density);
 
     MpmCheckInput(
       time->step <= crossing * (1. + PETSC_SQRT_MACHINE_EPSILON),
@@ -328,14 +328,14 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
       PetscCall(
         MpmMonitorLine(&model->monitor, "body %s: velocities of %s are not used, no stage has inertia", name, file));
   }
-  model->disc.inertia->dynamic = dynamic;
+  model->disc.context.inertia->dynamic = dynamic;
   for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->disc.layout->solid && MpmStageSettles(&model->scene.stages[k]))
-      model->disc.inertia->settles = PETSC_TRUE;
+    if (model->disc.layout->traits.solid && MpmStageSettles(&model->scene.stages[k]))
+      model->disc.context.inertia->settles = PETSC_TRUE;
   if (!MpmStagesSolve(model)) model->state.predict = PETSC_FALSE;
   if (!MpmOptionsHelp()) PetscCall(CheckConditions(model));
   if (!dynamic || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(model->disc.layout->solid, "-mpm_time_%s: physics %s has no inertia; solid has",
+  MpmCheckInput(model->disc.layout->traits.solid, "-mpm_time_%s: physics %s has no inertia; solid has",
                 AnyMoves(model) ? "integrator" : "rescue", model->scene.physics.name);
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     MpmCheckInput(model->scene.materials->at[m].density > 0.,

@@ -97,9 +97,9 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
     "aggregation unless `filled` is set too",
     "auto", MPM_OPTIONAL, &ghost));
   model->scene.stabilization.ghost_auto = (PetscBool)(!ghost || !strcmp(ghost, "auto"));
-  model->disc.ghost                     = 0.;
+  model->disc.matrix.ghost              = 0.;
   if (!model->scene.stabilization.ghost_auto && strcmp(ghost, "off")) {
-    MpmCheckInput(MpmParseReal(ghost, &model->disc.ghost) && model->disc.ghost >= 0.,
+    MpmCheckInput(MpmParseReal(ghost, &model->disc.matrix.ghost) && model->disc.matrix.ghost >= 0.,
                   "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
   }
   PetscCall(PetscFree(ghost));
@@ -202,7 +202,7 @@ static PetscErrorCode ChooseFbar(MpmModel model)
       (PetscBool)(plastic && material->dilation.least >= MPM_DILATION_FREE && MpmShapeDegree(model->scene.shape) > 1);
 
     follows = (PetscBool)(follows || free);
-    if ((plastic && !free) || material->nu > MPM_NU_LOCKS) locks = material;
+    if ((plastic && !free) || material->moduli.nu > MPM_NU_LOCKS) locks = material;
   }
   model->scene.stabilization.fbar_why =
     follows ? "splines follow plastic flow that dilates" : "no law flows or is nearly incompressible";
@@ -225,13 +225,13 @@ static PetscBool LeavesDilation(const MpmModel model, const MpmMaterial *materia
 /* Points that carry momentum or water are not divided. */
 static PetscErrorCode SettleDivide(MpmModel model)
 {
-  const PetscBool could = (PetscBool)(model->disc.layout->solid && !MpmStagesAreDynamic(model));
+  const PetscBool could = (PetscBool)(model->disc.layout->traits.solid && !MpmStagesAreDynamic(model));
   PetscBool       wants = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   MpmCheckInput(could || model->scene.stabilization.divide == 0.,
                 "-mpm_stabilization_divide %g: must be auto or off with %s", (double)model->scene.stabilization.divide,
-                model->disc.layout->solid ? "inertia" : model->scene.physics.name);
+                model->disc.layout->traits.solid ? "inertia" : model->scene.physics.name);
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
     if (model->scene.boundaries->at[b].bilateral) wants = could;
   for (PetscInt l = 0; l < model->scene.loads->count; l++)
@@ -247,7 +247,7 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
 
   PetscFunctionBeginUser;
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(model->scene.stabilization.smooth == 0. || model->disc.layout->solid,
+  MpmCheckInput(model->scene.stabilization.smooth == 0. || model->disc.layout->traits.solid,
                 "-mpm_stabilization_smooth %g: not available for physics %s, must be auto or 0",
                 (double)model->scene.stabilization.smooth, model->scene.physics.name);
   PetscCall(SettleDivide(model));
@@ -282,8 +282,8 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
   if (model->scene.stabilization.filled > 0. && MpmStagesSolve(model))
     PetscCall(PetscSNPrintf(cuts, sizeof(cuts), "aggregation of cells filled below %g",
                             (double)model->scene.stabilization.filled));
-  if (model->disc.ghost > 0. && MpmStagesSolve(model))
-    PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "; ghost penalty %g", (double)model->disc.ghost));
+  if (model->disc.matrix.ghost > 0. && MpmStagesSolve(model))
+    PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "; ghost penalty %g", (double)model->disc.matrix.ghost));
   else if (sparse && model->scene.stabilization.ghost_auto && MpmStagesSolve(model))
     PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "; ghost penalty %g (auto: one point a cell)", MPM_GHOST_SPARSE));
   if (model->scene.stabilization.interior > 0. && MpmStagesSolve(model))

@@ -244,13 +244,13 @@ static PetscErrorCode CheckGeostatic(MpmModel model, const MpmStage *stage)
 {
   PetscFunctionBeginUser;
   if (MpmOptionsHelp() || stage->geostatic.method == MPM_GEOSTATIC_NONE) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(model->disc.layout->solid || model->disc.layout->taken_up >= 0,
+  MpmCheckInput(model->disc.layout->traits.solid || model->disc.layout->own.taken_up >= 0,
                 "-mpm_stage_%s_type geostatic: not available for physics %s", stage->name, model->scene.physics.name);
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     const MpmCondition *bc = &model->scene.bcs->at[b];
 
     for (PetscInt k = 0; k < bc->component_count && !bc->absorbing; k++)
-      MpmCheckInput(!stage->bcs[b] || !model->disc.layout->increment[bc->component[k]] || bc->value[k] == 0.,
+      MpmCheckInput(!stage->bcs[b] || !model->disc.layout->component[bc->component[k]].increment || bc->value[k] == 0.,
                     "-mpm_bc_%s_value %g: must be 0 in the geostatic stage %s, an equilibrium without motion",
                     model->scene.bcs->names[b], (double)bc->value[k], stage->name);
   }
@@ -402,7 +402,7 @@ static PetscErrorCode ReadDrainage(MpmModel model, const MpmOptions *options, Mp
   MpmCheckInput(!wanted || stage->geostatic.method == MPM_GEOSTATIC_NONE,
                 "-%sconsolidation: a geostatic stage has no excess pressure", until);
   MpmCheckInput(!wanted || !stage->drained, "-%sconsolidation: the stage is drained and has no excess pressure", until);
-  if (stage->drained || wanted) model->solver.symmetric = PETSC_FALSE;
+  if (stage->drained || wanted) model->solver.definite.symmetric = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -45,7 +45,7 @@ PetscErrorCode MpmSurfacesRead(MpmModel model, const MpmOptions *options)
     for (PetscInt a = 0; a < model->disc.dim; a++) tolerance[a] = MPM_TOLERANCE * model->disc.h[a];
     PetscCall(MpmBodySurfaceCreate(options, surfaces->names[k], model->disc.layout, tolerance, model->scene.bodies,
                                    &surfaces->at[k]));
-    if (surfaces->at[k].loaded) model->solver.symmetric = PETSC_FALSE; /* the load follows its face */
+    if (surfaces->at[k].loaded) model->solver.definite.symmetric = PETSC_FALSE; /* the load follows its face */
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -76,8 +76,8 @@ PetscErrorCode MpmSurfacesAdd(MpmModel model)
   }
   PetscCall(MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces,
                                          &model->state.loads[model->scene.loads->count], kernel));
-  model->disc.surfaces->bcs        = model->scene.bcs;
-  model->disc.surfaces->bcs_acting = model->state.bcs;
+  model->disc.context.surfaces->bcs        = model->scene.bcs;
+  model->disc.context.surfaces->bcs_acting = model->state.bcs;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -96,7 +96,7 @@ PetscErrorCode MpmSurfacesTellHeld(MpmModel model)
     if (!model->state.loads[model->scene.loads->count + k].active) continue;
     if (model->state.loads[model->scene.loads->count + k].start < model->state.time_start)
       continue; /* reported before */
-    PetscCall(MpmSurfaceFacesFindHeld(model->disc.surfaces, model->disc.grid, model->state.particles, k, held));
+    PetscCall(MpmSurfaceFacesFindHeld(model->disc.context.surfaces, model->disc.grid, model->state.particles, k, held));
     for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
       if (!held[b]) continue;
       PetscCall(

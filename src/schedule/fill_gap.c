@@ -145,7 +145,7 @@ static PetscBool SamePart(const MpmModel model, PetscInt one, PetscInt other)
 {
   const MpmBodies *bodies = model->scene.bodies;
 
-  return (PetscBool)(model->disc.parts == 1 || bodies->part[one] == bodies->part[other]);
+  return (PetscBool)(model->disc.material.parts == 1 || bodies->part[one] == bodies->part[other]);
 }
 
 /* True where the body was drawn there on a present body of its part. */

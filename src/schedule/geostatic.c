@@ -27,7 +27,7 @@
 
 static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *rest)
 {
-  const PetscInt dim = model->disc.dim, rates = model->disc.layout->rates, own = model->disc.layout->own_size;
+  const PetscInt dim = model->disc.dim, rates = model->disc.layout->rate.count, own = model->disc.layout->own.size;
   PetscReal      reach[2 * MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
@@ -86,7 +86,7 @@ PetscErrorCode MpmRestKeepMass(MpmModel model, const MpmRest *rest)
   MpmPoints points;
 
   PetscFunctionBeginUser;
-  if (model->disc.layout->taken_up < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->disc.layout->own.taken_up < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < rest->n; p++)
     points.mass[p] += rest->mass[p] - MpmPointMassNow(&points, model->scene.materials->at, model->disc.layout, p);
@@ -97,14 +97,14 @@ PetscErrorCode MpmRestKeepMass(MpmModel model, const MpmRest *rest)
 /* The water's pressure, a part of it while the loads grow. */
 static PetscErrorCode SetWater(MpmModel model, const MpmRest *rest, PetscReal part)
 {
-  const PetscInt rates = model->disc.layout->rates, dim = model->disc.dim;
+  const PetscInt rates = model->disc.layout->rate.count, dim = model->disc.dim;
   MpmPoints      points;
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt k = 0; k < rest->n * rates; k++) points.value[k] = part * rest->value[k];
   for (PetscInt k = 0; k < rest->n * rates * dim; k++) points.value_gradient[k] = part * rest->value_gradient[k];
-  PetscCall(PetscArraycpy(points.own, rest->own, rest->n * model->disc.layout->own_size));
+  PetscCall(PetscArraycpy(points.own, rest->own, rest->n * model->disc.layout->own.size));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -259,8 +259,8 @@ static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *s
       break;
     }
     PetscCall(MpmRestSettle(model, rest, next, outcome));
-    newton += model->solver.newton;
-    linear += model->solver.linear;
+    newton += model->solver.iterations.newton;
+    linear += model->solver.iterations.linear;
     if (outcome->code) {
       again = PETSC_FALSE;
       if (outcome->retryable) PetscCall(TryAgain(model, part, &grow, outcome->text, &again));
@@ -272,9 +272,9 @@ static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *s
     if (part == 1. && !(*solved)++) first = half = rest->moved;
     if (*solved == geostatic->iterations / 2) half = rest->moved;
   }
-  model->solver.newton           = newton;
-  model->solver.linear           = linear;
-  model->state.scheme.load_scale = 1.;
+  model->solver.iterations.newton = newton;
+  model->solver.iterations.linear = linear;
+  model->state.scheme.load_scale  = 1.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

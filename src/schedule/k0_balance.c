@@ -160,7 +160,7 @@ static PetscErrorCode FindVerticalStress(MpmModel model, const MpmRest *rest, co
       if (table->there && MpmSurfacesOpen(model->scene.surfaces))
         pressure[p] +=
           table->weight * PetscMax(MpmWaterTableDepth(table, model->state.time, &points->x[p * dim]) - ground[p], 0.);
-      pressure[p] -= points->value[p * model->disc.layout->rates];
+      pressure[p] -= points->value[p * model->disc.layout->rate.count];
     }
   }
   PetscCall(PetscFree2(ground, heavy.mass));
@@ -273,11 +273,12 @@ static PetscErrorCode BalanceCreate(Balance *balance)
     PetscCheck(MpmLawFindAll("k0_law", model->scene.kinematics, auxiliary->law, &auxiliary->info), PETSC_COMM_SELF,
                PETSC_ERR_PLIB, "law k0 is not compiled");
     PetscCall(PetscMalloc1(auxiliary->info.parameter_count, &auxiliary->parameter));
-    auxiliary->stiffness = auxiliary->penalty = BALANCE_MODULUS * balance->rest->largest;
-    PetscCall(PetscArraycpy(auxiliary->parameter,
-                            ((const PetscReal[]){auxiliary->density, auxiliary->stiffness, (PetscReal)balance->axis,
-                                                 model->solver.factorises ? BALANCE_REGULAR : BALANCE_REGULAR_MORE}),
-                            auxiliary->info.parameter_count));
+    auxiliary->moduli.stiffness = auxiliary->moduli.penalty = BALANCE_MODULUS * balance->rest->largest;
+    PetscCall(
+      PetscArraycpy(auxiliary->parameter,
+                    ((const PetscReal[]){auxiliary->density, auxiliary->moduli.stiffness, (PetscReal)balance->axis,
+                                         model->solver.preset.factorises ? BALANCE_REGULAR : BALANCE_REGULAR_MORE}),
+                    auxiliary->info.parameter_count));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -295,14 +296,15 @@ static PetscErrorCode ProblemCreate(Balance *balance)
   MpmModelExchange(model, &balance->problem);
   PetscCall(MpmDiscretizationCreate(model->comm, own->disc.grid, own->disc.layout, &model->disc));
   PetscCall(MpmDiscretizationSize(&model->disc));
-  model->disc.diagonal = MpmNodeStiffness(&model->disc, balance->auxiliaries[0].stiffness);
+  model->disc.matrix.diagonal = MpmNodeStiffness(&model->disc, balance->auxiliaries[0].moduli.stiffness);
   PetscCall(MpmDiscretizationSetUp(&model->disc, model->scene.materials, model->scene.boundaries, model->scene.bodies,
                                    model->scene.pairs, model->state.placements,
                                    model->state.particles->stress_size + 1));
   PetscCall(MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces,
-                                         &model->state.loads[model->scene.loads->count], own->disc.surfaces->kernel));
+                                         &model->state.loads[model->scene.loads->count],
+                                         own->disc.context.surfaces->kernel));
   PetscCall(MpmSolverDuplicate(&own->solver, &model->disc, &model->monitor, &model->solver));
-  model->solver.may_be_indefinite = PETSC_FALSE;
+  model->solver.definite.may_be_lost = PETSC_FALSE;
   MpmModelExchange(model, &balance->problem);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -315,10 +317,10 @@ static PetscErrorCode ProblemDestroy(Balance *balance)
 
   PetscFunctionBeginUser;
   MpmModelExchange(model, &balance->problem);
-  own->solver.newton       = model->solver.newton;
-  own->solver.linear       = model->solver.linear;
-  own->solver.newton_total = model->solver.newton_total;
-  own->solver.linear_total = model->solver.linear_total;
+  own->solver.iterations.newton       = model->solver.iterations.newton;
+  own->solver.iterations.linear       = model->solver.iterations.linear;
+  own->solver.iterations.newton_total = model->solver.iterations.newton_total;
+  own->solver.iterations.linear_total = model->solver.iterations.linear_total;
   PetscCall(MpmSolverDestroy(&model->solver));
   PetscCall(MpmDiscretizationDestroy(&model->disc));
   MpmModelExchange(model, &balance->problem);

@@ -75,15 +75,15 @@ static PetscErrorCode FindUnrest(MpmModel model, PetscReal *unrest)
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc2(count, &force, count, &load));
-  PetscCall(MpmTermInertia.residual(disc->inertia, disc->sum, disc->u, force, &failed));
+  PetscCall(MpmTermInertia.residual(disc->context.inertia, disc->sum, disc->nodal.u, force, &failed));
   MpmConstraintsGather(disc->constraints, disc->space, force);
   PetscCall(MpmSpaceAddToOwners(disc->space, disc->block, force));
-  PetscCall(PetscArraycpy(load, disc->force, count));
+  PetscCall(PetscArraycpy(load, disc->nodal.force, count));
   MpmConstraintsGather(disc->constraints, disc->space, load);
   PetscCall(MpmSpaceAddToOwners(disc->space, disc->block, load));
   for (PetscInt k = 0; k < owned; k++) {
     if (MpmConstraintsFree(disc->constraints, k)) squares[0] += PetscSqr(force[k]);
-    squares[1] += PetscSqr(MpmConstraintsFree(disc->constraints, k) ? load[k] : disc->residual[k]);
+    squares[1] += PetscSqr(MpmConstraintsFree(disc->constraints, k) ? load[k] : disc->nodal.residual[k]);
   }
   PetscCall(PetscFree2(force, load));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, squares, 2, MPIU_REAL, MPIU_SUM, model->comm));
@@ -113,7 +113,7 @@ static PetscErrorCode Move(MpmModel model, PetscReal next, PetscReal dt, PetscRe
     PetscCall(MpmStepArrange(model, outcome));
     if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmStep(model, next, dt, PETSC_FALSE, outcome));
-    settling->newton += model->solver.newton;
+    settling->newton += model->solver.iterations.newton;
     settling->steps++;
     if (outcome->code && (model->state.safety.beyond > 0. || settling->tau < SHORTEST * crossing))
       PetscFunctionReturn(PETSC_SUCCESS);
@@ -126,7 +126,7 @@ static PetscErrorCode Move(MpmModel model, PetscReal next, PetscReal dt, PetscRe
     model->state.time = next;
     PetscCall(FindUnrest(model, &unrest));
     PetscCall(PetscInfo(model->solver.snes, "settling with tau %g s: %d iterations, %g of the loads out of balance\n",
-                        (double)settling->tau, (int)model->solver.newton, (double)unrest));
+                        (double)settling->tau, (int)model->solver.iterations.newton, (double)unrest));
     if (unrest <= REST) PetscFunctionReturn(PETSC_SUCCESS);
     if (settling->tau < most) settling->tau *= LONGER;
     else if (++held == HELD) {
@@ -174,6 +174,6 @@ PetscErrorCode MpmSettle(MpmModel model, PetscReal next, PetscReal dt, MpmOutcom
   PetscCall(MpmSettleSet(model));
   if (outcome->code) PetscCall(GoBack(model, &start));
   else PetscCall(MpmStateForget(&start));
-  model->solver.newton = settling->newton;
+  model->solver.iterations.newton = settling->newton;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -87,7 +87,7 @@ static PetscErrorCode FindLongest(MpmModel model, PetscReal *way)
   PetscFunctionBeginUser;
   *way = 0.;
   for (PetscInt i = 0; i < MpmNodesOwned(&model->disc); i++)
-    for (PetscInt a = 0; a < model->disc.dim; a++) *way = PetscMax(*way, PetscAbsReal(model->disc.u[i * bs + a]));
+    for (PetscInt a = 0; a < model->disc.dim; a++) *way = PetscMax(*way, PetscAbsReal(model->disc.nodal.u[i * bs + a]));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, way, 1, MPIU_REAL, MPIU_MAX, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -115,7 +115,7 @@ static PetscErrorCode FindFastest(MpmModel model, MpmFastest *fastest)
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((points->count * dim), &moves));
-  PetscCall(MpmDisplacementsAtPoints(model->disc.sum, model->disc.u, moves));
+  PetscCall(MpmDisplacementsAtPoints(model->disc.sum, model->disc.nodal.u, moves));
   for (PetscInt p = 0; p < points->count; p++) {
     PetscReal square = 0.;
 

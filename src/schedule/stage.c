@@ -263,8 +263,8 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
       model->state.reference_output = PETSC_TRUE;
     }
     PetscCall(MpmReductionBegin(model));
-    if (model->solver.jacobian)
-      PetscCall(MatSetNearNullSpace(model->solver.jacobian, NULL)); /* other unknowns may be constrained */
+    if (model->solver.jacobian.assembled)
+      PetscCall(MatSetNearNullSpace(model->solver.jacobian.assembled, NULL)); /* other unknowns may be constrained */
   }
   PetscCall(Activate(model, stage));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) model->state.bcs[b].volume = 0.;

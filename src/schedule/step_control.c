@@ -130,7 +130,7 @@ static PetscReal NextLength(MpmModel model, PetscReal dt, PetscReal wanted)
 {
   if (!model->state.adaptive) return PetscMin(wanted * model->state.growth, model->state.dt_nominal);
   if (dt < 0.99 * wanted) return wanted; /* the end of the run cut it short */
-  if (model->solver.newton <= EASY) {
+  if (model->solver.iterations.newton <= EASY) {
     const PetscReal factor = PetscMin(model->state.growth, MpmTimeErrorFactor(model));
 
     return PetscMax(PetscMin(MpmTimeErrorLength(model, wanted * factor), model->state.dt_max), model->state.dt_min);
@@ -167,7 +167,7 @@ static PetscErrorCode MindStruggle(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(SNESGetTolerances(model->solver.snes, NULL, NULL, NULL, &most, NULL));
-  if (!model->state.cuts || 2 * model->solver.newton <= most) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->state.cuts || 2 * model->solver.iterations.newton <= most) PetscFunctionReturn(PETSC_SUCCESS);
   if (AveragesOnce(model)) model->state.rescue.averaged++;
   else PetscCall(AverageDilation(model, "a short step was hard, too", model->state.dt_wanted));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -299,7 +299,7 @@ static Remedies FindRemedies(const MpmModel model)
    settle.c omits. */
 static PetscBool MaySettle(const MpmModel model)
 {
-  return (PetscBool)(model->disc.inertia->settles && !(MpmTermsTraits(model->disc.terms) & MPM_TERM_UNKNOWNS));
+  return (PetscBool)(model->disc.context.inertia->settles && !(MpmTermsTraits(model->disc.terms) & MPM_TERM_UNKNOWNS));
 }
 
 /*

@@ -425,7 +425,7 @@ PetscErrorCode MpmReductionLook(MpmModel model, PetscReal next, MpmOutcome *outc
   safety->beyond = 0.;
   if (!MpmReductionBrackets(model, next)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((model->disc.points->count * model->disc.dim), &more));
-  PetscCall(MpmDisplacementsAtPoints(model->disc.sum, model->disc.u, more));
+  PetscCall(MpmDisplacementsAtPoints(model->disc.sum, model->disc.nodal.u, more));
   PetscCall(FindMoved(model, more, &moved));
   PetscCall(PetscFree(more));
   if (moved < limit) PetscFunctionReturn(PETSC_SUCCESS);

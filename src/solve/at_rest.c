@@ -28,8 +28,8 @@ static PetscErrorCode Switch(MpmSolver *solver, PetscBool at_rest)
   }
   PetscCall(SNESGetKSP(solver->snes, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
-  if (solver->factorises) PetscCall(PCSetFromOptions(pc));
-  if (chosen && !solver->indefinite) {
+  if (solver->preset.factorises) PetscCall(PCSetFromOptions(pc));
+  if (chosen && !solver->definite.lost) {
     PetscCall(KSPSetType(ksp, gmres ? KSPGMRES : KSPCG));
     if (gmres) PetscCall(KSPGMRESSetRestart(ksp, 100));
     PetscCall(KSPSetPCSide(ksp, gmres ? PC_RIGHT : PC_LEFT));
@@ -50,7 +50,7 @@ PetscErrorCode MpmSolverMindContact(MpmSolver *solver, PetscBool begins)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (at_rest->touched) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmTermsAddSquares(solver->disc->terms, solver->disc->sum, solver->disc->u, &squares));
+  PetscCall(MpmTermsAddSquares(solver->disc->terms, solver->disc->sum, solver->disc->nodal.u, &squares));
   at_rest->touched = (PetscBool)(squares > 0. || MpmTermsHold(solver->disc->terms));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &at_rest->touched, 1, MPM_MPI_BOOL, MPI_LOR, solver->disc->comm));
   if (at_rest->touched) MpmDatabaseCall(solver->database, Switch(solver, PETSC_FALSE));

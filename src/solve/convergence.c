@@ -17,7 +17,8 @@ static PetscReal Contact(const MpmSolver *solver)
   const MpmDiscretization *disc    = solver->disc;
   PetscReal                modulus = 0.;
 
-  for (PetscInt m = 0; m < disc->material_count; m++) modulus = PetscMax(modulus, disc->sum->materials[m].penalty);
+  for (PetscInt m = 0; m < disc->material.count; m++)
+    modulus = PetscMax(modulus, disc->sum->materials[m].moduli.penalty);
   return MpmNodeStiffness(disc, MpmTermsFirmness(disc->terms) * modulus);
 }
 
@@ -65,7 +66,7 @@ static PetscReal Floor(const MpmSolver *solver, PetscReal xnorm)
   const PetscReal cells    = solver->disc->h[0] * PetscSqrtReal(unknowns); /* a cell a node */
   const PetscReal size     = PetscMin(xnorm, 16. * cells); /* a node gone astray must not raise the floor */
 
-  return PETSC_MACHINE_EPSILON * (2. * solver->disc->diagonal + 0.5 * Contact(solver)) * (cells + size);
+  return PETSC_MACHINE_EPSILON * (2. * solver->disc->matrix.diagonal + 0.5 * Contact(solver)) * (cells + size);
 }
 
 PetscErrorCode MpmFieldsExcess(MpmSolver *solver, Vec x, Vec f, PetscReal *excess)
@@ -114,11 +115,11 @@ static PetscErrorCode TestNorm(MpmSolver *solver, PetscReal xnorm, PetscReal fno
 /* True on stagnation of Newton's method. Where contact alternates between states it lasts for ever. */
 static PetscBool Stalls(MpmEvaluations *cache, PetscInt it, PetscReal fnorm)
 {
-  if (!it || fnorm < STALL_GAIN * cache->least) {
-    cache->least    = fnorm;
-    cache->least_at = it;
+  if (!it || fnorm < STALL_GAIN * cache->stagnation.least) {
+    cache->stagnation.least    = fnorm;
+    cache->stagnation.least_at = it;
   }
-  return (PetscBool)(it - cache->least_at >= STALL);
+  return (PetscBool)(it - cache->stagnation.least_at >= STALL);
 }
 
 /* With contact a prediction is an answer only where it is so much better than required of an iteration: forces
@@ -138,9 +139,10 @@ static PetscReal ReactionSquares(const MpmDiscretization *disc)
   const MpmConstraints *constraints = disc->constraints;
   PetscReal             squares     = 0.;
 
-  if (!constraints->any || disc->inertia->active || disc->layout->field_count > 1) return 0.;
+  if (!constraints->any || disc->context.inertia->active || disc->layout->field_count > 1) return 0.;
   for (PetscInt k = 0; k < MpmNodesOwned(disc) * disc->block; k++)
-    if (!MpmConstraintsFree(constraints, k) && constraints->value[k] != 0.) squares += PetscSqr(disc->residual[k]);
+    if (!MpmConstraintsFree(constraints, k) && constraints->value[k] != 0.)
+      squares += PetscSqr(disc->nodal.residual[k]);
   return squares;
 }
 
@@ -156,7 +158,7 @@ static PetscErrorCode IsBalanced(MpmSolver *solver, PetscReal fnorm, PetscBool *
   PetscFunctionBeginUser;
   *balanced = (PetscBool)(solver->cache.rough || solver->cache.balances == BALANCE_MOST);
   if (*balanced) PetscFunctionReturn(PETSC_SUCCESS);
-  if (MpmSolverHasContact(solver)) PetscCall(MpmTermsAddSquares(disc->terms, disc->sum, disc->u, &squares));
+  if (MpmSolverHasContact(solver)) PetscCall(MpmTermsAddSquares(disc->terms, disc->sum, disc->nodal.u, &squares));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &squares, 1, MPIU_REAL, MPIU_SUM, disc->comm));
   *balanced = (PetscBool)(!(squares > 0.) || fnorm <= BALANCE * PetscSqrtReal(squares));
   if (!*balanced) solver->cache.balances++;
@@ -188,7 +190,7 @@ PetscErrorCode MpmNewtonConverged(SNES snes, PetscInt it, PetscReal xnorm, Petsc
     if (snorm < stol * xnorm) *reason = SNES_CONVERGED_SNORM_RELATIVE;
     else if (divtol > 0. && fnorm > divtol * solver->cache.reference) *reason = SNES_DIVERGED_DTOL;
   }
-  if (Stalls(&solver->cache, it, fnorm) && solver->cache.hasty && *reason == SNES_CONVERGED_ITERATING)
+  if (Stalls(&solver->cache, it, fnorm) && solver->cache.stagnation.stops && *reason == SNES_CONVERGED_ITERATING)
     *reason = SNES_DIVERGED_LOCAL_MIN;
   if (*reason == SNES_CONVERGED_FNORM_RELATIVE) {
     PetscCall(IsBalanced(solver, fnorm, &balanced));

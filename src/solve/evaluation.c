@@ -18,12 +18,12 @@ PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x)
 
   PetscFunctionBeginUser;
   PetscCall(VecGetArrayRead(x, &values));
-  PetscCall(PetscArraycpy(solver->disc->u, values, solver->disc->space->owned * solver->disc->block));
+  PetscCall(PetscArraycpy(solver->disc->nodal.u, values, solver->disc->space->owned * solver->disc->block));
   PetscCall(VecRestoreArrayRead(x, &values));
-  MpmUnitsTimes(solver->disc->constraints, solver->disc->space->owned * solver->disc->block, solver->disc->u);
-  PetscCall(MpmSpaceToGhosts(solver->disc->space, solver->disc->block, solver->disc->u));
-  MpmFramesToAxes(solver->disc->constraints, solver->disc->block, solver->disc->space->local, solver->disc->u);
-  MpmConstraintsExtend(solver->disc->constraints, solver->disc->space, solver->disc->u);
+  MpmUnitsTimes(solver->disc->constraints, solver->disc->space->owned * solver->disc->block, solver->disc->nodal.u);
+  PetscCall(MpmSpaceToGhosts(solver->disc->space, solver->disc->block, solver->disc->nodal.u));
+  MpmFramesToAxes(solver->disc->constraints, solver->disc->block, solver->disc->space->local, solver->disc->nodal.u);
+  MpmConstraintsExtend(solver->disc->constraints, solver->disc->space, solver->disc->nodal.u);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -32,14 +32,15 @@ PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed)
   const PetscInt count = solver->disc->space->local * solver->disc->block;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < count; k++) solver->disc->residual[k] = -solver->disc->force[k];
+  for (PetscInt k = 0; k < count; k++) solver->disc->nodal.residual[k] = -solver->disc->nodal.force[k];
   solver->disc->sum->trial = solver->disc->sum->rest ? NULL : solver->disc->trial;
-  PetscCall(MpmTermsResidual(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->disc->residual, failed));
-  MpmConstraintsGather(solver->disc->constraints, solver->disc->space, solver->disc->residual);
-  PetscCall(MpmSpaceAddToOwners(solver->disc->space, solver->disc->block, solver->disc->residual));
+  PetscCall(MpmTermsResidual(solver->disc->terms, solver->disc->sum, solver->disc->nodal.u,
+                             solver->disc->nodal.residual, failed));
+  MpmConstraintsGather(solver->disc->constraints, solver->disc->space, solver->disc->nodal.residual);
+  PetscCall(MpmSpaceAddToOwners(solver->disc->space, solver->disc->block, solver->disc->nodal.residual));
   solver->disc->trial->made   = (PetscBool)(solver->disc->sum->trial != NULL);
   solver->disc->trial->framed = PETSC_FALSE;
-  if (solver->disc->trial->made) PetscCall(PetscArraycpy(solver->disc->trial->u, solver->disc->u, count));
+  if (solver->disc->trial->made) PetscCall(PetscArraycpy(solver->disc->trial->u, solver->disc->nodal.u, count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

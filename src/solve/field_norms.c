@@ -28,7 +28,7 @@ PetscErrorCode MpmFieldNorms(const MpmSolver *solver, Vec v, PetscReal norm[])
   PetscCall(PetscArrayzero(norm, fields));
   PetscCall(VecGetLocalSize(v, &n));
   PetscCall(VecGetArrayRead(v, &values));
-  for (PetscInt k = 0; k < n; k++) norm[layout->field_of[k % bs]] += PetscSqr(PetscRealPart(values[k]));
+  for (PetscInt k = 0; k < n; k++) norm[layout->component[k % bs].field] += PetscSqr(PetscRealPart(values[k]));
   PetscCall(VecRestoreArrayRead(v, &values));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, norm, (PetscMPIInt)fields, MPIU_REAL, MPIU_SUM, solver->disc->comm));
   for (PetscInt f = 0; f < fields; f++) norm[f] = PetscSqrtReal(norm[f]);
@@ -61,7 +61,7 @@ static PetscErrorCode Mask(const MpmSolver *solver, PetscInt field, PetscBool wi
   PetscCall(VecGetLocalSize(v, &n));
   PetscCall(VecGetArray(v, &values));
   for (PetscInt k = 0; k < n; k++) {
-    const PetscBool is = (PetscBool)(layout->field_of[k % bs] == field);
+    const PetscBool is = (PetscBool)(layout->component[k % bs].field == field);
 
     if (is == without || !MpmConstraintsFree(solver->disc->constraints, k)) values[k] = 0.;
   }
@@ -96,7 +96,7 @@ PetscErrorCode MpmFieldsLearn(MpmSolver *solver, Vec x, Vec y)
   PetscCall(VecGetArray(change, &values));
   PetscCall(VecGetArrayRead(x, &at));
   for (PetscInt k = 0; k < n; k++)
-    if (layout->increment[k % bs]) values[k] -= at[k];
+    if (layout->component[k % bs].increment) values[k] -= at[k];
   PetscCall(VecRestoreArrayRead(x, &at));
   PetscCall(VecRestoreArray(change, &values));
   for (PetscInt f = 0; f < layout->field_count; f++) {

@@ -81,7 +81,7 @@ static PetscErrorCode TakeModes(MpmSolver *solver)
   PetscObjectId id;
 
   PetscFunctionBeginUser;
-  PetscCall(MatGetNearNullSpace(solver->jacobian, &all));
+  PetscCall(MatGetNearNullSpace(solver->jacobian.assembled, &all));
   if (!all) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscObjectGetId((PetscObject)all, &id));
   if (id == solver->split.modes) PetscFunctionReturn(PETSC_SUCCESS);
@@ -115,7 +115,7 @@ static PetscErrorCode GroupMass(const MpmSum *sum, const MpmGroup *group, PetscR
   const MpmPoints *points = sum->points;
   const MpmKnown   known  = KnownGeneral(sum->layout, group);
   const PetscInt   dim = known.dim, n = known.n;
-  const PetscInt   basis = sum->layout->shape_of[dim] * MPM_BASES;
+  const PetscInt   basis = sum->layout->component[dim].shape * MPM_BASES;
 
   PetscFunctionBeginUser;
   PetscCall(PetscArrayzero(element, n * n));
@@ -180,7 +180,7 @@ PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver)
   PetscFunctionBeginUser;
   if (!split->on) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(TakeModes(solver));
-  PetscCall(MatCreateSubMatrix(solver->jacobian, split->is[1], split->is[1], reuse, &split->schur));
+  PetscCall(MatCreateSubMatrix(solver->jacobian.assembled, split->is[1], split->is[1], reuse, &split->schur));
   if (!split->mass) PetscCall(MatDuplicate(split->schur, MAT_DO_NOT_COPY_VALUES, &split->mass));
   PetscCall(MakeMass(solver, split->mass));
   PetscCall(MatAXPY(split->schur, -1., split->mass, SAME_NONZERO_PATTERN));

@@ -27,7 +27,7 @@
 /* True for a step at rest in which nearby contact may release a body. */
 static PetscBool MayLetGo(const MpmSolver *solver)
 {
-  if (solver->disc->inertia->active || !MpmSolverHasContact(solver)) return PETSC_FALSE;
+  if (solver->disc->context.inertia->active || !MpmSolverHasContact(solver)) return PETSC_FALSE;
   return (PetscBool)((MpmTermsTraits(solver->disc->terms) & MPM_TERM_RELEASES) > 0);
 }
 
@@ -47,7 +47,7 @@ PetscErrorCode MpmJacobianLift(MpmSolver *solver, Mat J)
   PetscCall(MatGetDiagonal(J, diagonal));
   PetscCall(VecGetArray(diagonal, &d));
   for (PetscInt k = 0; k < MpmNodesOwned(solver->disc) * bs; k++) {
-    weak = (PetscBool)(k % bs < dim ? PetscAbsScalar(d[k]) < WEAK_NODE * solver->disc->diagonal : weak);
+    weak = (PetscBool)(k % bs < dim ? PetscAbsScalar(d[k]) < WEAK_NODE * solver->disc->matrix.diagonal : weak);
     d[k] *= 1. + (weak ? WEAK_LIFT : 0.) + (k % bs < dim ? all : 0.);
   }
   PetscCall(VecRestoreArray(diagonal, &d));

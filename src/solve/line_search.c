@@ -37,7 +37,7 @@ static PetscErrorCode LookAhead(MpmSolver *solver, SNES snes)
 
   PetscFunctionBeginUser;
   PetscCall(SNESGetIterationNumber(snes, &it));
-  solver->cache.ahead = (PetscBool)(solver->cache.solving && it + 1 < solver->cache.needed_count_last);
+  solver->cache.ahead = (PetscBool)(solver->cache.solving && it + 1 < solver->cache.reuse.needed_last_time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -308,7 +308,7 @@ static PetscErrorCode AcceptIterate(MpmSearch *search)
   PetscFunctionBeginUser;
   if (!careful && !held) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGatherSolution(search->solver, search->W));
-  PetscCall(MpmTermsNewtonAccepted(disc->terms, disc->sum, disc->u, &changed));
+  PetscCall(MpmTermsNewtonAccepted(disc->terms, disc->sum, disc->nodal.u, &changed));
   if (changed) search->solver->cache.summed.id = 0; /* another Jacobian */
   if (!held) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESComputeFunction(search->solver->snes, search->W, search->G));

@@ -35,8 +35,9 @@ static PetscErrorCode Start(MpmSolver *solver, Vec x, PetscReal most, PetscBool 
   PetscCall(SNESComputeFunction(solver->snes, at, moved));
   PetscCall(VecZeroEntries(at));
   PetscCall(SNESComputeFunction(solver->snes, at, start));
-  PetscCall(SNESComputeJacobian(solver->snes, at, solver->shell ? solver->shell : solver->jacobian,
-                                solver->jacobian ? solver->jacobian : solver->shell));
+  PetscCall(SNESComputeJacobian(solver->snes, at,
+                                solver->jacobian.shell ? solver->jacobian.shell : solver->jacobian.assembled,
+                                solver->jacobian.assembled ? solver->jacobian.assembled : solver->jacobian.shell));
   /* -(r(0) + K(0) g); rows of prescribed unknowns stay as they are */
   PetscCall(VecAXPY(moved, -1., start));
   PetscCall(VecAXPBYPCZ(at, -1., -1. / eps, 0., start, moved));
@@ -48,16 +49,16 @@ static PetscErrorCode Start(MpmSolver *solver, Vec x, PetscReal most, PetscBool 
     PetscCall(VecRestoreArray(at, &values));
   }
   PetscCall(SNESGetKSP(solver->snes, &ksp));
-  PetscCall(KSPSetOperators(ksp, solver->shell ? solver->shell : solver->jacobian,
-                            solver->jacobian ? solver->jacobian : solver->shell));
+  PetscCall(KSPSetOperators(ksp, solver->jacobian.shell ? solver->jacobian.shell : solver->jacobian.assembled,
+                            solver->jacobian.assembled ? solver->jacobian.assembled : solver->jacobian.shell));
   PetscCall(KSPSolve(ksp, at, change));
   PetscCall(KSPGetConvergedReason(ksp, &reason));
   PetscCall(KSPGetIterationNumber(ksp, &iterations));
   *made = (PetscBool)(reason > 0);
   if (*made) PetscCall(VecAXPY(x, 1., change));
   else PetscCall(MpmSolverRenew(solver));
-  solver->newton_total++;
-  solver->linear_total += iterations;
+  solver->iterations.newton_total++;
+  solver->iterations.linear_total += iterations;
   PetscCall(VecDestroy(&at));
   PetscCall(VecDestroy(&start));
   PetscCall(VecDestroy(&moved));

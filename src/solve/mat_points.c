@@ -200,11 +200,12 @@ PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J)
                            solver->disc->space->global_count * bs, free, J));
   PetscCall(MatSetBlockSize(*J, bs));
   PetscCall(MatShellSetOperation(*J, MATOP_MULT, (MpmFunction)MatMult_Matfree));
-  if (solver->symmetric) PetscCall(MatShellSetOperation(*J, MATOP_MULT_TRANSPOSE, (MpmFunction)MatMult_Matfree));
+  if (solver->definite.symmetric)
+    PetscCall(MatShellSetOperation(*J, MATOP_MULT_TRANSPOSE, (MpmFunction)MatMult_Matfree));
   PetscCall(MatShellSetOperation(*J, MATOP_GET_DIAGONAL, (MpmFunction)MatGetDiagonal_Matfree));
   PetscCall(MatShellSetOperation(*J, MATOP_INVERT_BLOCK_DIAGONAL, (MpmFunction)MatInvertBlockDiagonal_Matfree));
   PetscCall(MatShellSetOperation(*J, MATOP_DESTROY, (MpmFunction)MatDestroy_Matfree));
-  if (solver->symmetric) PetscCall(MatSetOption(*J, MAT_SYMMETRIC, PETSC_TRUE));
+  if (solver->definite.symmetric) PetscCall(MatSetOption(*J, MAT_SYMMETRIC, PETSC_TRUE));
   PetscCall(MatSetUp(*J));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -27,19 +27,19 @@ static PetscInt CountModes(const MpmLayout *layout)
 {
   PetscInt count = 0;
 
-  if (layout->near_null[0] == MPM_NEAR_NULL_RIGID) count = layout->dim == 2 ? 3 : 6;
-  for (PetscInt c = 0; c < layout->block; c++) count += layout->near_null[c] == MPM_NEAR_NULL_CONSTANT;
+  if (layout->component[0].near_null == MPM_NEAR_NULL_RIGID) count = layout->dim == 2 ? 3 : 6;
+  for (PetscInt c = 0; c < layout->block; c++) count += layout->component[c].near_null == MPM_NEAR_NULL_CONSTANT;
   return count;
 }
 
 static void SetMode(const MpmLayout *layout, PetscInt k, const PetscReal x[], PetscScalar mode[])
 {
-  const PetscInt rigid = layout->near_null[0] != MPM_NEAR_NULL_RIGID ? 0 : layout->dim == 2 ? 3 : 6;
+  const PetscInt rigid = layout->component[0].near_null != MPM_NEAR_NULL_RIGID ? 0 : layout->dim == 2 ? 3 : 6;
   PetscInt       at    = rigid;
 
   if (k < rigid) RigidMode(layout->dim, k, x, mode);
   for (PetscInt c = 0; c < layout->block; c++)
-    if (layout->near_null[c] == MPM_NEAR_NULL_CONSTANT && at++ == k) mode[c] = 1.;
+    if (layout->component[c].near_null == MPM_NEAR_NULL_CONSTANT && at++ == k) mode[c] = 1.;
 }
 
 /* Sets the mode at the terms' own nodes. */
@@ -53,7 +53,7 @@ static void SetOwnModes(const MpmSolver *solver, PetscInt k, PetscScalar values[
   else turn[dim == 2 ? 2 : (k - dim) % 3] = 1.;
   for (PetscInt i = space->extra.begin; i < PetscMin(space->owned, space->extra.begin + space->extra.count); i++)
     for (PetscInt c = 0; c < bs; c++) values[i * bs + c] = 0.;
-  if (solver->disc->layout->near_null[0] != MPM_NEAR_NULL_RIGID || k >= (dim == 2 ? 3 : 6)) return;
+  if (solver->disc->layout->component[0].near_null != MPM_NEAR_NULL_RIGID || k >= (dim == 2 ? 3 : 6)) return;
   MpmTermsMode(solver->disc->terms, solver->disc->sum, solver->disc->grid->lower, along, turn, values);
 }
 
@@ -71,9 +71,9 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
   PetscInt         kept = 0;
 
   PetscFunctionBeginUser;
-  if (!solver->jacobian || !modes) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatGetNearNullSpace(solver->jacobian, &space));
-  if (solver->factorises || space) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!solver->jacobian.assembled || !modes) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatGetNearNullSpace(solver->jacobian.assembled, &space));
+  if (solver->preset.factorises || space) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc2(modes, &mode, modes, &dot));
   for (PetscInt k = 0; k < modes; k++) {
     PetscScalar *values;
@@ -104,7 +104,7 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
     else PetscCall(VecDestroy(&mode[kept]));
   }
   PetscCall(MatNullSpaceCreate(solver->disc->comm, PETSC_FALSE, kept, mode, &space));
-  PetscCall(MatSetNearNullSpace(solver->jacobian, space));
+  PetscCall(MatSetNearNullSpace(solver->jacobian.assembled, space));
   PetscCall(MatNullSpaceDestroy(&space));
   for (PetscInt k = 0; k < kept; k++) PetscCall(VecDestroy(&mode[k]));
   PetscCall(PetscFree2(mode, dot));

@@ -16,15 +16,16 @@ static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
   PetscFunctionBeginUser;
   PetscCall(MpmPlaceGet(x, &solver->cache.summed));
   for (PetscInt k = 0; k < solver->disc->space->local * solver->disc->block; k++)
-    solver->disc->residual[k] = -solver->disc->force[k];
+    solver->disc->nodal.residual[k] = -solver->disc->nodal.force[k];
   solver->cache.assembled   = PETSC_FALSE;
   solver->disc->trial->made = PETSC_FALSE;
   PetscCall(MpmSolverMindContact(solver, PETSC_FALSE));
-  PetscCall(MpmPatternBegin(solver->disc->pattern, solver->disc->space, solver->disc->constraints, solver->jacobian));
-  PetscCall(MpmTermsTangent(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->disc->pattern,
-                            solver->disc->residual, failed));
-  MpmConstraintsGather(solver->disc->constraints, solver->disc->space, solver->disc->residual);
-  PetscCall(MpmSpaceAddToOwners(solver->disc->space, solver->disc->block, solver->disc->residual));
+  PetscCall(MpmPatternBegin(solver->disc->matrix.pattern, solver->disc->space, solver->disc->constraints,
+                            solver->jacobian.assembled));
+  PetscCall(MpmTermsTangent(solver->disc->terms, solver->disc->sum, solver->disc->nodal.u, solver->disc->matrix.pattern,
+                            solver->disc->nodal.residual, failed));
+  MpmConstraintsGather(solver->disc->constraints, solver->disc->space, solver->disc->nodal.residual);
+  PetscCall(MpmSpaceAddToOwners(solver->disc->space, solver->disc->block, solver->disc->nodal.residual));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -47,17 +48,17 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscFunctionBeginUser;
   (void)snes;
   PetscCall(MpmGatherSolution(solver, x));
-  both                = (PetscBool)(solver->cache.ahead && solver->jacobian_type == MPM_JACOBIAN_LOCAL);
+  both                = (PetscBool)(solver->cache.ahead && solver->jacobian.form == MPM_JACOBIAN_LOCAL);
   solver->cache.ahead = PETSC_FALSE;
   timer               = both ? MPM_TIME_JACOBIAN : MPM_TIME_RESIDUAL;
   PetscCall(MpmMonitorBegin(solver->monitor, timer, &since));
   if (both) PetscCall(SumBoth(solver, x, &failed));
   else PetscCall(MpmSumResidual(solver, &failed));
-  MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, solver->disc->residual);
+  MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, solver->disc->nodal.residual);
   solver->disc->trial->framed = PETSC_TRUE;
   PetscCall(VecGetArrayRead(x, &at));
   PetscCall(VecGetArrayWrite(f, &values));
-  PetscCall(PetscArraycpy(values, solver->disc->residual, solver->disc->space->owned * bs));
+  PetscCall(PetscArraycpy(values, solver->disc->nodal.residual, solver->disc->space->owned * bs));
   MpmUnitsTimes(solver->disc->constraints, solver->disc->space->owned * bs, values);
   MpmConstraintsResidual(solver->disc->constraints, solver->disc->space->owned * bs, at, values);
   PetscCall(VecRestoreArrayRead(x, &at));
@@ -77,13 +78,13 @@ static PetscErrorCode SumJacobian(MpmSolver *solver, Vec x, Mat P)
   PetscFunctionBeginUser;
   PetscCall(MpmGatherSolution(solver, x));
   PetscCall(MpmSolverMindContact(solver, PETSC_FALSE));
-  PetscCall(MpmPatternBegin(solver->disc->pattern, solver->disc->space, solver->disc->constraints, P));
-  if (solver->jacobian_type == MPM_JACOBIAN_LOCAL || solver->jacobian_type == MPM_JACOBIAN_MATFREE)
-    PetscCall(
-      MpmTermsTangent(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->disc->pattern, NULL, &failed));
+  PetscCall(MpmPatternBegin(solver->disc->matrix.pattern, solver->disc->space, solver->disc->constraints, P));
+  if (solver->jacobian.form == MPM_JACOBIAN_LOCAL || solver->jacobian.form == MPM_JACOBIAN_MATFREE)
+    PetscCall(MpmTermsTangent(solver->disc->terms, solver->disc->sum, solver->disc->nodal.u,
+                              solver->disc->matrix.pattern, NULL, &failed));
   else
-    PetscCall(MpmJacobianColoring(solver->disc->terms, solver->disc->sum, solver->jacobian_type, solver->disc->u,
-                                  solver->disc->pattern, &failed));
+    PetscCall(MpmJacobianColoring(solver->disc->terms, solver->disc->sum, solver->jacobian.form, solver->disc->nodal.u,
+                                  solver->disc->matrix.pattern, &failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -96,10 +97,10 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
   if (!MpmPlaceIsSame(&place, &solver->cache.summed)) PetscCall(SumJacobian(solver, x, P));
   solver->cache.summed.id = 0;
   solver->cache.assembled = PETSC_TRUE;
-  PetscCall(MpmPatternEnd(solver->disc->pattern, solver->disc->space, P));
-  if (solver->factorises) PetscCall(MpmJacobianLift(solver, P));
-  if (solver->symmetric || solver->at_rest.count)
-    PetscCall(MatSetOption(P, MAT_SYMMETRIC, (PetscBool)(solver->symmetric || solver->at_rest.now)));
+  PetscCall(MpmPatternEnd(solver->disc->matrix.pattern, solver->disc->space, P));
+  if (solver->preset.factorises) PetscCall(MpmJacobianLift(solver, P));
+  if (solver->definite.symmetric || solver->at_rest.count)
+    PetscCall(MatSetOption(P, MAT_SYMMETRIC, (PetscBool)(solver->definite.symmetric || solver->at_rest.now)));
   PetscCall(MpmFieldsplitUpdate(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -111,7 +112,7 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
 */
 static PetscBool LastWillDo(const MpmSolver *solver, PetscInt it, PetscReal fnorm, PetscReal target)
 {
-  if (!solver->cache.solving || !solver->cache.lag || !it || solver->cache.lagged) return PETSC_FALSE;
+  if (!solver->cache.solving || !solver->cache.reuse.allowed || !it || solver->cache.reuse.last) return PETSC_FALSE;
   return (PetscBool)(fnorm * fnorm <= 0.3 * target * solver->cache.fnorm_last);
 }
 
@@ -132,12 +133,12 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
     last  = LastWillDo(solver, it, fnorm, 1.);
   } else last = LastWillDo(solver, it, fnorm, rtol * solver->cache.reference);
   solver->cache.fnorm_last = fnorm;
-  solver->cache.lagged     = (PetscBool)(last && solver->cache.assembled);
-  if (solver->cache.lagged) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!last) solver->cache.needed_count++;
+  solver->cache.reuse.last = (PetscBool)(last && solver->cache.assembled);
+  if (solver->cache.reuse.last) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!last) solver->cache.reuse.needed++;
   PetscCall(MpmMonitorBegin(solver->monitor, MPM_TIME_JACOBIAN, &since));
-  if (solver->jacobian) PetscCall(AssembleJacobian(solver, x, P));
-  if (solver->shell) PetscCall(MpmMatfreeSetState(J, x));
+  if (solver->jacobian.assembled) PetscCall(AssembleJacobian(solver, x, P));
+  if (solver->jacobian.shell) PetscCall(MpmMatfreeSetState(J, x));
   PetscCall(MpmMonitorEnd(solver->monitor, MPM_TIME_JACOBIAN, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -167,7 +168,8 @@ PetscErrorCode MpmNewtonSetMats(MpmSolver *solver)
   PetscFunctionBeginUser;
   PetscCall(SNESSetFunction(solver->snes, solver->f, FormFunction, solver));
   if (solver->cache.minimisation.on) PetscCall(SNESSetObjective(solver->snes, MpmObjective, solver));
-  PetscCall(SNESSetJacobian(solver->snes, solver->shell ? solver->shell : solver->jacobian,
-                            solver->jacobian ? solver->jacobian : solver->shell, FormJacobian, solver));
+  PetscCall(SNESSetJacobian(solver->snes, solver->jacobian.shell ? solver->jacobian.shell : solver->jacobian.assembled,
+                            solver->jacobian.assembled ? solver->jacobian.assembled : solver->jacobian.shell,
+                            FormJacobian, solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

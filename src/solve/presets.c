@@ -82,14 +82,14 @@ static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const 
   char      why[128];
 
   PetscFunctionBeginUser;
-  if (solver->disc->layout->saddle) {
+  if (solver->disc->layout->traits.saddle) {
     most = solver->disc->dim == 2 ? DIRECT_MOST_PORO_2D : DIRECT_MOST_PORO_3D;
     if (!MpmFieldsplitServes(solver->disc->layout)) most = PETSC_INFINITY;
     *name = unknowns <= most ? "direct" : "poro-fieldsplit";
     PetscCall(PetscSNPrintf(why, sizeof(why),
                             "auto: %" PetscInt_FMT "D, a saddle point of about %.0f unknowns, direct up to %.0f",
                             solver->disc->dim, (double)unknowns, (double)most));
-  } else if (solver->jacobian_type == MPM_JACOBIAN_MATFREE) {
+  } else if (solver->jacobian.form == MPM_JACOBIAN_MATFREE) {
     *name = "pbjacobi";
     PetscCall(PetscSNPrintf(why, sizeof(why), "auto: no matrix"));
   } else {
@@ -100,7 +100,7 @@ static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const 
       why, sizeof(why), "auto: %" PetscInt_FMT "D%s, about %.0f unknowns, direct up to %.0f", solver->disc->dim,
       solver->disc->dim == 3 && solver->disc->layout->means ? " with F-bar" : "", (double)unknowns, (double)most));
   }
-  PetscCall(PetscStrallocpy(why, &solver->why));
+  PetscCall(PetscStrallocpy(why, &solver->preset.why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,7 +122,7 @@ static PetscErrorCode TuneDirect(MpmSolver *solver, PetscReal unknowns)
   PetscFunctionBeginUser;
   PetscCall(PetscOptionsHasName(NULL, NULL, "-pc_type", &chosen));
   PetscCall(PetscOptionsHasName(NULL, NULL, "-pc_factor_mat_solver_type", &packaged));
-  if (small && solver->symmetric && !saddle && !chosen && !packaged) {
+  if (small && solver->definite.symmetric && !saddle && !chosen && !packaged) {
     PetscCall(OptionDefault("-pc_type", "band"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -131,10 +131,10 @@ static PetscErrorCode TuneDirect(MpmSolver *solver, PetscReal unknowns)
     if (!chosen) PetscCall(OptionAtRest(solver, "-mat_mumps_icntl_8", "1", NULL));
   }
   PetscCall(OptionDefault("-pc_factor_mat_solver_type", MATSOLVERMUMPS));
-  PetscCall(OptionDefault("-pc_type", solver->symmetric ? "cholesky" : "lu"));
+  PetscCall(OptionDefault("-pc_type", solver->definite.symmetric ? "cholesky" : "lu"));
   PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_factor_mat_solver_type", package, sizeof(package), NULL));
   if (chosen || strcmp(package, MATSOLVERMUMPS)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (solver->symmetric && !saddle) PetscCall(OptionDefault("-mat_mumps_icntl_8", "1"));
+  if (solver->definite.symmetric && !saddle) PetscCall(OptionDefault("-mat_mumps_icntl_8", "1"));
   if (MpmStabilityWanted(solver))
     PetscCall(OptionDefault("-mat_mumps_icntl_13", "1")); /* or not all pivots are counted */
   if (solver->disc->dim == 2 && small) {
@@ -204,17 +204,18 @@ static PetscErrorCode TuneFieldsplit(PetscBool contacts)
 /* Presets and preconditioners that a physics of several fields, or of one, cannot take. */
 static PetscErrorCode CheckSuits(const MpmSolver *solver)
 {
-  const MpmLayout *layout   = solver->disc->layout;
-  const PetscBool  definite = (PetscBool)(strcmp(solver->name, "auto") && strcmp(solver->name, "direct") &&
-                                         strcmp(solver->name, "poro-fieldsplit"));
-  char             type[64] = "";
+  const MpmLayout *layout  = solver->disc->layout;
+  const PetscBool definite = (PetscBool)(strcmp(solver->preset.name, "auto") && strcmp(solver->preset.name, "direct") &&
+                                         strcmp(solver->preset.name, "poro-fieldsplit"));
+  char            type[64] = "";
 
   PetscFunctionBeginUser;
-  MpmCheckInput(strcmp(solver->name, "poro-fieldsplit") || (layout->saddle && MpmFieldsplitServes(layout)),
+  MpmCheckInput(strcmp(solver->preset.name, "poro-fieldsplit") ||
+                  (layout->traits.saddle && MpmFieldsplitServes(layout)),
                 "-mpm_solver poro-fieldsplit: needs a displacement and a pressure, must be another with this physics");
-  MpmCheckInput(!definite || !layout->saddle,
+  MpmCheckInput(!definite || !layout->traits.saddle,
                 "-mpm_solver %s: needs a definite Jacobian, must be auto, direct or poro-fieldsplit with this physics",
-                solver->name);
+                solver->preset.name);
   PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_type", type, sizeof(type), NULL));
   MpmCheckInput(strcmp(type, "band") || layout->field_count == 1,
                 "-pc_type band: is for one field, must be cholesky or lu with this physics");
@@ -225,8 +226,8 @@ static PetscErrorCode CheckSuits(const MpmSolver *solver)
 static PetscBool ServesAtRest(const MpmSolver *solver)
 {
   if (MpmTermsTraits(solver->disc->terms) & MPM_TERM_BILATERAL) return PETSC_FALSE;
-  return (PetscBool)(solver->symmetric && !solver->disc->layout->saddle &&
-                     solver->jacobian_type != MPM_JACOBIAN_MATFREE);
+  return (PetscBool)(solver->definite.symmetric && !solver->disc->layout->traits.saddle &&
+                     solver->jacobian.form != MPM_JACOBIAN_MATFREE);
 }
 
 /*
@@ -244,34 +245,35 @@ const char *MpmPresetName(PetscInt k)
 PetscErrorCode MpmPresetApply(MpmSolver *solver, PetscReal unknowns, PetscBool inertia)
 {
   const PetscBool contacts = (PetscBool)((MpmTermsTraits(solver->disc->terms) & MPM_TERM_CONTACT) > 0);
-  const char     *name     = solver->name;
+  const char     *name     = solver->preset.name;
   PetscBool       direct;
 
   PetscFunctionBeginUser;
   PetscCall(CheckSuits(solver));
   if (solver->at_rest.serves) {
-    solver->at_rest.serves = ServesAtRest(solver);
-    solver->symmetric      = PETSC_FALSE;
+    solver->at_rest.serves     = ServesAtRest(solver);
+    solver->definite.symmetric = PETSC_FALSE;
   }
   if (!strcmp(name, "auto")) PetscCall(ChooseSolver(solver, unknowns, &name));
   direct = (PetscBool)!strcmp(name, "direct");
   if (!strcmp(name, "poro-fieldsplit")) PetscCall(TuneFieldsplit(contacts));
-  if (!strcmp(name, "amg") && !solver->symmetric) PetscCall(TuneMultigrid(solver, contacts));
+  if (!strcmp(name, "amg") && !solver->definite.symmetric) PetscCall(TuneMultigrid(solver, contacts));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++)
     if (!strcmp(presets[k].name, name)) PetscCall(ApplyPreset(presets[k].text));
-  if (name != solver->name) {
-    PetscCall(PetscFree(solver->name));
-    PetscCall(PetscStrallocpy(name, &solver->name));
+  if (name != solver->preset.name) {
+    PetscCall(PetscFree(solver->preset.name));
+    PetscCall(PetscStrallocpy(name, &solver->preset.name));
   }
   if (direct) PetscCall(TuneDirect(solver, unknowns));
   else {
     PetscBool chosen;
 
-    if ((inertia || contacts) && !solver->disc->layout->saddle) PetscCall(OptionDefault("-snes_rtol", RTOL_TIGHT));
+    if ((inertia || contacts) && !solver->disc->layout->traits.saddle)
+      PetscCall(OptionDefault("-snes_rtol", RTOL_TIGHT));
     PetscCall(PetscOptionsHasName(NULL, NULL, "-ksp_type", &chosen));
-    solver->may_be_indefinite = (PetscBool)((solver->symmetric || solver->at_rest.serves) && !chosen);
-    PetscCall(OptionAtRest(solver, "-ksp_type", "cg", solver->symmetric ? "cg" : "gmres"));
-    if (!solver->symmetric && !chosen) PetscCall(OptionDefault("-ksp_gmres_restart", "100"));
+    solver->definite.may_be_lost = (PetscBool)((solver->definite.symmetric || solver->at_rest.serves) && !chosen);
+    PetscCall(OptionAtRest(solver, "-ksp_type", "cg", solver->definite.symmetric ? "cg" : "gmres"));
+    if (!solver->definite.symmetric && !chosen) PetscCall(OptionDefault("-ksp_gmres_restart", "100"));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

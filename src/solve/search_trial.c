@@ -15,8 +15,8 @@ PetscErrorCode MpmRelaxBodies(MpmSolver *solver, Vec last, Vec x)
   PetscCall(MpmGatherSolution(solver, x));
   if (last) PetscCall(VecGetArrayRead(last, &before));
   PetscCall(VecGetArray(x, &values));
-  PetscCall(
-    MpmTermsRelax(solver->disc->terms, solver->disc->sum, solver->disc->u, (PetscBool)(last != NULL), before, values));
+  PetscCall(MpmTermsRelax(solver->disc->terms, solver->disc->sum, solver->disc->nodal.u, (PetscBool)(last != NULL),
+                          before, values));
   PetscCall(VecRestoreArray(x, &values));
   if (last) PetscCall(VecRestoreArrayRead(last, &before));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -30,6 +30,21 @@ typedef struct {
   PetscReal value; /* J */
 } MpmMinimisation;
 
+/* Reuse of a Jacobian in more than one iteration. */
+typedef struct {
+  PetscBool allowed;
+  PetscBool last;             /* the last Jacobian was a reused one */
+  PetscInt  needed;           /* Jacobians of this solution that could not be reused ones */
+  PetscInt  needed_last_time; /* of the last solution */
+} MpmReuse;
+
+/* Stagnation of Newton's method. */
+typedef struct {
+  PetscBool stops;    /* another strategy follows */
+  PetscReal least;    /* smallest residual norm (to 10 %) */
+  PetscInt  least_at; /* iteration at which it was reached */
+} MpmStagnation;
+
 /*
   Results shared between Newton's evaluations: residual and Jacobian of one place may come from one pass, and a Jacobian
   may serve for more than one iteration.
@@ -39,21 +54,16 @@ typedef struct {
   PetscBool         assembled; /* the matrix holds the Jacobian of the last solve */
   PetscReal         reference; /* residual of the step at zero displacement */
   PetscBool         predicted; /* Newton starts from the increment extrapolated from the last steps */
-  PetscBool         lag;       /* a Jacobian may serve for more than one iteration */
-  PetscBool         lagged;    /* the last Jacobian did */
-  PetscBool         solving;   /* SNES is running: other callers get a new Jacobian */
-  PetscBool         ahead;     /* a Jacobian will follow the next residual at the same place: both in one pass */
+  MpmReuse          reuse;
+  PetscBool         solving; /* SNES is running: other callers get a new Jacobian */
+  PetscBool         ahead;   /* a Jacobian will follow the next residual at the same place: both in one pass */
   PetscReal         fnorm_last;
-  PetscBool         rough;    /* this tolerance will do: contact's pressures are yet to be corrected */
-  PetscBool         hasty;    /* stop on stagnation; another strategy follows */
-  PetscReal         least;    /* smallest residual norm (to 10 %) */
-  PetscInt          least_at; /* iteration at which it was reached */
+  PetscBool         rough; /* this tolerance will do: contact's pressures are yet to be corrected */
+  MpmStagnation     stagnation;
   PetscInt          balances; /* extra iterations demanded by the force-balance test */
   MpmFieldNormsKept fields;
   MpmMinimisation   minimisation;
-  PetscReal         imbalance;         /* of free bodies, at the last iterate */
-  PetscInt          needed_count;      /* Jacobians of this solution that could not be reused ones */
-  PetscInt          needed_count_last; /* of the last solution */
+  PetscReal         imbalance; /* of free bodies, at the last iterate */
 } MpmEvaluations;
 
 /* The preconditioner of two fields by blocks (fieldsplit.c). */
@@ -85,35 +95,55 @@ typedef struct {
   } option[MPM_AT_REST];
 } MpmAtRest;
 
+/* A set of solver options, and what follows from it. */
+typedef struct {
+  char     *name, *why; /* of the set; why `auto` took it, or NULL */
+  PetscBool factorises; /* the preconditioner is a direct solver */
+} MpmPreset;
+
+/* Symmetry and definiteness of the Jacobian. */
+typedef struct {
+  PetscBool symmetric;
+  PetscBool may_be_lost; /* CG was `auto`'s choice: GMRES takes over where the Jacobian loses definiteness */
+  PetscBool lost;        /* definiteness was lost */
+} MpmDefiniteness;
+
+/* The Jacobian's matrices. */
+typedef struct {
+  MpmJacobianType form;
+  char            mat_type[64], vec_type[64];
+  Mat             assembled; /* NULL when the preconditioner does without it */
+  Mat             shell;     /* its action alone, with MPM_JACOBIAN_MATFREE */
+  PetscBool       unused;    /* the shell is preconditioner matrix too */
+  PetscBool       keeps_tangents;
+} MpmJacobian;
+
+/* Iterations of the last step, and of all steps. */
+typedef struct {
+  PetscInt   newton, linear;
+  PetscInt64 newton_total, linear_total;
+} MpmIterations;
+
 /* PETSc's solver objects for the problem of a step, and how they were chosen. */
 typedef struct {
   MpmDiscretization *disc;
   MpmMonitor        *monitor;
   MpmDatabase       *database; /* the model's options: presets go there */
-  MpmJacobianType    jacobian_type;
-  char              *name, *why; /* the preset; why `auto` took it, or NULL */
-  PetscBool          symmetric;
+  MpmPreset          preset;
+  MpmDefiniteness    definite;
   MpmAtRest          at_rest;
-  char               mat_type[64], vec_type[64];
-  PetscBool      may_be_indefinite; /* CG was `auto`'s choice: GMRES takes over where the Jacobian loses definiteness */
-  PetscBool      indefinite;        /* definiteness was lost */
-  PetscBool      factorises;        /* the preconditioner is a direct solver */
-  SNES           snes;
-  Mat            jacobian;      /* assembled; NULL when the preconditioner does without it */
-  Mat            shell;         /* its action alone, with MPM_JACOBIAN_MATFREE */
-  PetscBool      matrix_unused; /* the shell is preconditioner matrix too */
-  PetscBool      keep_tangents;
-  PetscBool      careful; /* with contact: a line search for kinks, and secants of sliding */
-  Vec            x, f;
-  MpmFieldsplit  split;
-  MpmEvaluations cache;
-  MpmExcursion   excursion;
+  MpmJacobian        jacobian;
+  PetscBool          careful; /* with contact: a line search for kinks, and secants of sliding */
+  SNES               snes;
+  Vec                x, f;
+  MpmFieldsplit      split;
+  MpmEvaluations     cache;
+  MpmExcursion       excursion;
   struct {
     MpmUnstable choice; /* action where the tangent loses definiteness */
     PetscBool   told;   /* a loss was reported */
   } unstable;
-  PetscInt   newton, linear;
-  PetscInt64 newton_total, linear_total;
+  MpmIterations iterations;
 } MpmSolver;
 
 /* The sums over points by colours, in blocks or one node a colour, or by differences (jacobian_coloring.c). */
@@ -136,7 +166,8 @@ PetscErrorCode MpmNewtonSetMats(MpmSolver *solver);
 PetscErrorCode MpmExcursionEnd(MpmExcursion *excursion);
 /* True where any contact is near enough to act in this step. Equal on all ranks. */
 PetscBool MpmSolverHasContact(const MpmSolver *solver);
-/* Sums the residual of disc->u over the points, force included; leaves it with the nodes' owners, along the axes. */
+/* Sums the residual of disc->nodal.u over the points, force included; leaves it with the nodes' owners, along the
+   axes. */
 PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed);
 /* Brings the solution vector to the local nodes, ghosts included. */
 PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x);
@@ -178,7 +209,7 @@ PetscErrorCode MpmSolverChoose(MpmSolver *solver, PetscReal unknowns, PetscBool 
 PetscErrorCode MpmSolverSetUp(MpmSolver *solver);
 /*
   Selects the solver: as a step `begins`, by that of the last one; otherwise by whether anything touches at the local
-  unknowns disc->u, for whose Jacobian KSP and PC are then prepared. Collective.
+  unknowns disc->nodal.u, for whose Jacobian KSP and PC are then prepared. Collective.
 */
 PetscErrorCode MpmSolverMindContact(MpmSolver *solver, PetscBool begins);
 /* A solver for another problem, with the same settings and objects of its own. */

@@ -26,20 +26,20 @@ static PetscErrorCode CreateSNES(MpmSolver *solver)
   PetscCall(MpmNewtonAttach(solver));
   PetscCall(SNESSetFromOptions(solver->snes));
   PetscCall(SNESGetKSP(solver->snes, &ksp));
-  if (solver->indefinite) {
+  if (solver->definite.lost) {
     PetscCall(KSPSetType(ksp, KSPGMRES));
     PetscCall(KSPGMRESSetRestart(ksp, 100));
   }
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &solver->factorises, PCLU, PCCHOLESKY, ""));
-  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &solver->matrix_unused, PCNONE, PCJACOBI, PCPBJACOBI, PCSHELL,
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &solver->preset.factorises, PCLU, PCCHOLESKY, ""));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &solver->jacobian.unused, PCNONE, PCJACOBI, PCPBJACOBI, PCSHELL,
                                       PCMAT, ""));
   PetscCall(MpmBandIs(pc, &band));
   if (band) {
-    solver->factorises    = PETSC_TRUE;
-    solver->matrix_unused = PETSC_FALSE;
+    solver->preset.factorises = PETSC_TRUE;
+    solver->jacobian.unused   = PETSC_FALSE;
   }
-  solver->matrix_unused = (PetscBool)(solver->matrix_unused && solver->jacobian_type == MPM_JACOBIAN_MATFREE);
+  solver->jacobian.unused = (PetscBool)(solver->jacobian.unused && solver->jacobian.form == MPM_JACOBIAN_MATFREE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -132,16 +132,16 @@ PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *opti
   for (PetscInt k = 0; k < MPM_PRESETS_MOST; k++) names[k + 1] = MpmPresetName(k);
   PetscCall(MpmOptionsHeading(options, "Solver"));
   PetscCall(MpmOptionsWord(options, "solver", solver_help, names, MPM_OPTIONAL, &choice, NULL));
-  PetscCall(PetscStrallocpy(names[choice], &solver->name));
-  PetscCall(ReadType(options, "mat_type", "PETSc type of the Jacobian", MATAIJ, solver->mat_type));
-  PetscCall(ReadType(options, "vec_type", "PETSc type of the vectors", VECSTANDARD, solver->vec_type));
+  PetscCall(PetscStrallocpy(names[choice], &solver->preset.name));
+  PetscCall(ReadType(options, "mat_type", "PETSc type of the Jacobian", MATAIJ, solver->jacobian.mat_type));
+  PetscCall(ReadType(options, "vec_type", "PETSc type of the vectors", VECSTANDARD, solver->jacobian.vec_type));
   PetscCall(MpmBandRegister());
   PetscCall(CheckTypes(solver));
-  solver->cache.lag = solver->keep_tangents = PETSC_TRUE;
-  PetscCall(
-    MpmOptionsBool(options, "newton_lag", "keep a Jacobian where a new one would not pay", &solver->cache.lag, NULL));
+  solver->cache.reuse.allowed = solver->jacobian.keeps_tangents = PETSC_TRUE;
+  PetscCall(MpmOptionsBool(options, "newton_lag", "keep a Jacobian where a new one would not pay",
+                           &solver->cache.reuse.allowed, NULL));
   PetscCall(MpmOptionsBool(options, "matfree_tangents", "keep the points' tangents for jacobian: matfree",
-                           &solver->keep_tangents, NULL));
+                           &solver->jacobian.keeps_tangents, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -152,17 +152,17 @@ static PetscErrorCode CreateObjects(MpmSolver *solver)
   PetscFunctionBeginUser;
   PetscCall(SNESDestroy(&solver->snes));
   PetscCall(CreateSNES(solver));
-  PetscCall(MatDestroy(&solver->jacobian));
+  PetscCall(MatDestroy(&solver->jacobian.assembled));
   PetscCall(VecDestroy(&solver->x));
   PetscCall(VecDestroy(&solver->f));
-  if (!solver->matrix_unused)
-    PetscCall(MpmPatternCreateMat(solver->disc->pattern, solver->disc->space, solver->disc->comm, solver->mat_type,
-                                  &solver->jacobian));
+  if (!solver->jacobian.unused)
+    PetscCall(MpmPatternCreateMat(solver->disc->matrix.pattern, solver->disc->space, solver->disc->comm,
+                                  solver->jacobian.mat_type, &solver->jacobian.assembled));
   PetscCall(VecCreate(solver->disc->comm, &solver->x));
   PetscCall(VecSetSizes(solver->x, MpmNodesOwned(solver->disc) * solver->disc->block,
                         MpmNodesTotal(solver->disc) * solver->disc->block));
   PetscCall(VecSetBlockSize(solver->x, solver->disc->block));
-  PetscCall(VecSetType(solver->x, solver->vec_type));
+  PetscCall(VecSetType(solver->x, solver->jacobian.vec_type));
   PetscCall(VecSetFromOptions(solver->x));
   PetscCall(VecDuplicate(solver->x, &solver->f));
   PetscCall(MpmFieldsplitAttach(solver));
@@ -173,14 +173,14 @@ PetscErrorCode MpmSolverDuplicate(const MpmSolver *solver, MpmDiscretization *di
                                   MpmSolver *copy)
 {
   PetscFunctionBeginUser;
-  *copy          = *solver;
-  copy->disc     = disc;
-  copy->monitor  = monitor;
-  copy->cache    = (MpmEvaluations){.lag = solver->cache.lag};
-  copy->jacobian = copy->shell = NULL;
+  *copy                    = *solver;
+  copy->disc               = disc;
+  copy->monitor            = monitor;
+  copy->cache              = (MpmEvaluations){.reuse.allowed = solver->cache.reuse.allowed};
+  copy->jacobian.assembled = copy->jacobian.shell = NULL;
   copy->x = copy->f = NULL;
   copy->split       = (MpmFieldsplit){.on = PETSC_FALSE};
-  copy->name = copy->why = NULL;
+  copy->preset.name = copy->preset.why = NULL;
   MpmDatabaseCall(copy->database, CreateSNES(copy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -190,14 +190,14 @@ static PetscErrorCode SetUp(MpmSolver *solver)
   PetscBool changed = PETSC_TRUE;
 
   PetscFunctionBeginUser;
-  if (!solver->matrix_unused)
-    PetscCall(
-      MpmPatternSetUp(&solver->disc->pattern, solver->disc->space, solver->disc->comm, solver->disc->block, &changed));
+  if (!solver->jacobian.unused)
+    PetscCall(MpmPatternSetUp(&solver->disc->matrix.pattern, solver->disc->space, solver->disc->comm,
+                              solver->disc->block, &changed));
   PetscCall(MpmSolverMindContact(solver, PETSC_TRUE));
-  if (changed || !solver->jacobian) PetscCall(CreateObjects(solver));
-  PetscCall(MatDestroy(&solver->shell));
-  if (solver->jacobian_type == MPM_JACOBIAN_MATFREE)
-    PetscCall(MpmMatfreeCreate(solver, solver->keep_tangents, &solver->shell));
+  if (changed || !solver->jacobian.assembled) PetscCall(CreateObjects(solver));
+  PetscCall(MatDestroy(&solver->jacobian.shell));
+  if (solver->jacobian.form == MPM_JACOBIAN_MATFREE)
+    PetscCall(MpmMatfreeCreate(solver, solver->jacobian.keeps_tangents, &solver->jacobian.shell));
   PetscCall(MpmNewtonSetMats(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -221,9 +221,9 @@ PetscErrorCode MpmSolverRenew(MpmSolver *solver)
   PetscFunctionBeginUser;
   PetscCall(SNESGetKSP(solver->snes, &ksp));
   PetscCall(KSPGetConvergedReason(ksp, &why));
-  if (solver->may_be_indefinite && (why == KSP_DIVERGED_INDEFINITE_MAT || why == KSP_DIVERGED_INDEFINITE_PC)) {
-    solver->may_be_indefinite = PETSC_FALSE;
-    solver->indefinite        = PETSC_TRUE;
+  if (solver->definite.may_be_lost && (why == KSP_DIVERGED_INDEFINITE_MAT || why == KSP_DIVERGED_INDEFINITE_PC)) {
+    solver->definite.may_be_lost = PETSC_FALSE;
+    solver->definite.lost        = PETSC_TRUE;
     PetscCall(MpmMonitorChange(solver->monitor, MPM_CHANGE_KRYLOV,
                                "the Jacobian is not positive definite; from here on with GMRES"));
   }
@@ -283,7 +283,7 @@ static PetscErrorCode Newton(MpmSolver *solver, SNESConvergedReason *reason)
     solver->cache.solving = solver->cache.ahead = PETSC_TRUE;
     if (MpmSolverHasContact(solver)) {
       PetscCall(MpmGatherSolution(solver, solver->x));
-      PetscCall(MpmTermsNewtonBegin(solver->disc->terms, solver->disc->sum, solver->disc->u, solver->careful));
+      PetscCall(MpmTermsNewtonBegin(solver->disc->terms, solver->disc->sum, solver->disc->nodal.u, solver->careful));
     }
     PetscCall(SNESSolve(solver->snes, NULL, solver->x));
     MpmTermsNewtonEnd(solver->disc->terms);
@@ -291,10 +291,10 @@ static PetscErrorCode Newton(MpmSolver *solver, SNESConvergedReason *reason)
     PetscCall(SNESGetConvergedReason(solver->snes, reason));
     PetscCall(SNESGetIterationNumber(solver->snes, &newton));
     PetscCall(SNESGetLinearSolveIterations(solver->snes, &linear));
-    solver->newton += newton;
-    solver->linear += linear;
-    solver->newton_total += newton;
-    solver->linear_total += linear;
+    solver->iterations.newton += newton;
+    solver->iterations.linear += linear;
+    solver->iterations.newton_total += newton;
+    solver->iterations.linear_total += linear;
     again = PETSC_FALSE;
     if (*reason == SNES_DIVERGED_LINEAR_SOLVE) {
       PetscCall(RaiseWorkspace(solver, &again));
@@ -312,12 +312,12 @@ PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason)
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&since));
-  solver->cache.needed_count = 0;
+  solver->cache.reuse.needed = 0;
   MpmDatabaseCall(solver->database, Newton(solver, reason));
   PetscCall(PetscTime(&now));
   inside = solver->monitor->seconds[MPM_TIME_RESIDUAL] + solver->monitor->seconds[MPM_TIME_JACOBIAN] - before;
   solver->monitor->seconds[MPM_TIME_SOLVE] += now - since - inside;
-  solver->cache.needed_count_last = *reason > 0 ? solver->cache.needed_count : 0;
+  solver->cache.reuse.needed_last_time = *reason > 0 ? solver->cache.reuse.needed : 0;
   PetscCall(MpmGatherSolution(solver, solver->x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -325,12 +325,12 @@ PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason)
 PetscErrorCode MpmSolverAddRows(MpmSolver *solver, MpmRows *rows)
 {
   const MpmRow row[] = {
-    {"newton_iterations", MPM_ROW_INT64, MPM_ROW_RUN, &solver->newton_total, 0, 0},
-    {"linear_iterations", MPM_ROW_INT64, MPM_ROW_RUN, &solver->linear_total, 0, 0},
-    {"indefinite", MPM_ROW_BOOL, MPM_ROW_RUN, &solver->indefinite, 0, 0},
+    {"newton_iterations", MPM_ROW_INT64, MPM_ROW_RUN, &solver->iterations.newton_total, 0, 0},
+    {"linear_iterations", MPM_ROW_INT64, MPM_ROW_RUN, &solver->iterations.linear_total, 0, 0},
+    {"indefinite", MPM_ROW_BOOL, MPM_ROW_RUN, &solver->definite.lost, 0, 0},
     {"careful", MPM_ROW_BOOL, MPM_ROW_RUN, &solver->careful, 0, 0},
     {"touched", MPM_ROW_BOOL, MPM_ROW_RUN, &solver->at_rest.touched, 0, 0},
-    {"jacobians_last", MPM_ROW_INT, MPM_ROW_RUN, &solver->cache.needed_count_last, 0, 0},
+    {"jacobians_last", MPM_ROW_INT, MPM_ROW_RUN, &solver->cache.reuse.needed_last_time, 0, 0},
   };
 
   PetscFunctionBeginUser;
@@ -343,12 +343,12 @@ PetscErrorCode MpmSolverDestroy(MpmSolver *solver)
   PetscFunctionBeginUser;
   PetscCall(SNESDestroy(&solver->snes));
   PetscCall(MpmExcursionEnd(&solver->excursion));
-  PetscCall(MatDestroy(&solver->jacobian));
-  PetscCall(MatDestroy(&solver->shell));
+  PetscCall(MatDestroy(&solver->jacobian.assembled));
+  PetscCall(MatDestroy(&solver->jacobian.shell));
   PetscCall(MpmFieldsplitReset(&solver->split));
   PetscCall(VecDestroy(&solver->x));
   PetscCall(VecDestroy(&solver->f));
-  PetscCall(PetscFree(solver->name));
-  PetscCall(PetscFree(solver->why));
+  PetscCall(PetscFree(solver->preset.name));
+  PetscCall(PetscFree(solver->preset.why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

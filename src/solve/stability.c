@@ -47,9 +47,9 @@ PetscErrorCode MpmStabilityRead(MpmSolver *solver, const MpmOptions *options)
 /* True where definiteness means stability. */
 static PetscBool Applies(const MpmSolver *solver)
 {
-  for (PetscInt m = 0; m < solver->disc->material_count; m++)
+  for (PetscInt m = 0; m < solver->disc->material.count; m++)
     if (solver->disc->sum->materials[m].state_size) return PETSC_FALSE;
-  return (PetscBool)(solver->symmetric && solver->disc->layout->solid);
+  return (PetscBool)(solver->definite.symmetric && solver->disc->layout->traits.solid);
 }
 
 /* True where the run ends at a loss of stability. */
@@ -57,8 +57,8 @@ static PetscBool Stops(const MpmSolver *solver)
 {
   PetscBool locks = PETSC_FALSE;
 
-  for (PetscInt m = 0; m < solver->disc->material_count; m++)
-    locks = (PetscBool)(locks || solver->disc->sum->materials[m].nu > MPM_NU_LOCKS);
+  for (PetscInt m = 0; m < solver->disc->material.count; m++)
+    locks = (PetscBool)(locks || solver->disc->sum->materials[m].moduli.nu > MPM_NU_LOCKS);
   return (PetscBool)(solver->unstable.choice == MPM_UNSTABLE_STOP ||
                      (solver->unstable.choice == MPM_UNSTABLE_AUTO && locks));
 }
@@ -203,7 +203,7 @@ PetscErrorCode MpmStabilityCheck(MpmSolver *solver, MpmOutcome *outcome)
   MpmOutcomeClear(outcome);
   if (!MpmStabilityWanted(solver)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CountNegative(solver, &negative));
-  if (negative <= 0 && !solver->indefinite) PetscFunctionReturn(PETSC_SUCCESS);
+  if (negative <= 0 && !solver->definite.lost) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESGetJacobian(solver->snes, &J, &P, NULL, NULL));
   PetscCall(SNESComputeJacobian(solver->snes, solver->x, J, P));
   PetscCall(SNESGetKSP(solver->snes, &ksp));
@@ -216,10 +216,10 @@ PetscErrorCode MpmStabilityCheck(MpmSolver *solver, MpmOutcome *outcome)
   lost = (PetscBool)(eigenvalue < -EIGENVALUE_NOISE || (negative > 0 && eigenvalue > EIGENVALUE_NOISE));
   if (lost) PetscCall(Describe(solver, "this equilibrium is not a stable one", mode, outcome));
   PetscCall(VecDestroy(&mode));
-  cg = (PetscBool)(solver->indefinite && !lost);
+  cg = (PetscBool)(solver->definite.lost && !lost);
   if (cg) { /* only in an intermediate iterate: CG will find the next one */
-    solver->indefinite        = PETSC_FALSE;
-    solver->may_be_indefinite = PETSC_TRUE;
+    solver->definite.lost        = PETSC_FALSE;
+    solver->definite.may_be_lost = PETSC_TRUE;
     PetscCall(MpmSolverRenew(solver));
   }
   if (!lost) PetscFunctionReturn(PETSC_SUCCESS);

@@ -24,7 +24,7 @@ static PetscErrorCode AtPoints(const MpmSum *sum, const PetscReal u[], PetscInt 
       MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work.basis);
       for (PetscInt k = 0; k < count; k++) {
         const PetscInt   c   = component[k];
-        const PetscReal *phi = work.basis.basis[layout->shape_of[c] * MPM_BASES + basis];
+        const PetscReal *phi = work.basis.basis[layout->component[c].shape * MPM_BASES + basis];
         PetscReal        d   = 0.;
 
         for (PetscInt i = 0; i < known.n; i++) d += phi[i] * work.values[c * known.n + i];
@@ -41,14 +41,15 @@ PetscErrorCode MpmDeviationsAtPoints(const MpmSum *sum, const PetscReal u[], Pet
   const MpmLayout *layout = sum->layout;
 
   PetscFunctionBeginUser;
-  PetscCall(AtPoints(sum, u, layout->deviations, layout->deviation_component, MPM_DEVIATION(layout->dim), deviation));
+  PetscCall(
+    AtPoints(sum, u, layout->deviation.count, layout->deviation.component, MPM_DEVIATION(layout->dim), deviation));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmRatesAtPoints(const MpmSum *sum, const PetscReal u[], PetscReal value[])
 {
   PetscFunctionBeginUser;
-  PetscCall(AtPoints(sum, u, sum->layout->rates, sum->layout->rate_component, 0, value));
+  PetscCall(AtPoints(sum, u, sum->layout->rate.count, sum->layout->rate.component, 0, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

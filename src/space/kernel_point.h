@@ -24,28 +24,28 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   const double      *own      = MpmPointOwn(points, material, p);
   const PetscInt     dim      = sum->space->dim;
 
-  point->parameter         = own ? own : material->parameter;
-  point->physics_parameter = MpmMaterialPhysicsValues(material, own);
-  point->state_n           = points->state ? &points->state[p * sum->state_size] : NULL;
-  point->F_n               = MpmPointF(points, p);
-  point->own_n             = points->own ? &points->own[p * sum->own_size] : NULL;
-  point->value_n           = points->value ? &points->value[p * sum->layout->rates] : NULL;
-  point->deviation_n       = sum->deviation_n ? &sum->deviation_n[p * sum->layout->deviations] : NULL;
-  point->gravity           = MpmSumGravity(sum, p);
-  point->cell              = sum->cell;
-  point->info              = &material->info;
-  point->stage             = sum->first ? &sum->first[p] : NULL;
-  point->volume0           = sum->part * points->volume0[p];
-  point->dt                = sum->dt;
-  point->traits            = material->info.traits | (sum->drained ? MPM_POINT_DRAINED : 0u);
-  point->law               = material->law;
-  point->table             = material->table;
-  point->dilatancy         = material->dilatancy;
-  point->state             = NULL;
-  point->own               = NULL;
-  point->F                 = NULL;
-  point->stress            = NULL;
-  point->stress_n          = sum->rest ? &points->stress[p * MpmSymSize(dim)] : NULL;
+  point->material.parameter = own ? own : material->parameter;
+  point->physics_parameter  = MpmMaterialPhysicsValues(material, own);
+  point->state_n            = points->state ? &points->state[p * sum->state_size] : NULL;
+  point->F_n                = MpmPointF(points, p);
+  point->own_n              = points->own ? &points->own[p * sum->own_size] : NULL;
+  point->value_n            = points->value ? &points->value[p * sum->layout->rate.count] : NULL;
+  point->deviation_n        = sum->deviation_n ? &sum->deviation_n[p * sum->layout->deviation.count] : NULL;
+  point->gravity            = MpmSumGravity(sum, p);
+  point->cell               = sum->cell;
+  point->material.info      = &material->info;
+  point->stage              = sum->first ? &sum->first[p] : NULL;
+  point->volume0            = sum->part * points->volume0[p];
+  point->dt                 = sum->dt;
+  point->material.traits    = material->info.traits | (sum->drained ? MPM_POINT_DRAINED : 0u);
+  point->material.law       = material->law;
+  point->material.table     = material->table;
+  point->material.dilatancy = material->dilatancy;
+  point->end.state          = NULL;
+  point->end.own            = NULL;
+  point->end.F              = NULL;
+  point->end.stress         = NULL;
+  point->stress_n           = sum->rest ? &points->stress[p * MpmSymSize(dim)] : NULL;
 }
 
 /* Destinations of the kernel's candidate of the step's end. */
@@ -55,8 +55,8 @@ MPM_INLINE void MpmSumTrial(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   const PetscInt  dim   = sum->space->dim;
 
   if (!trial) return;
-  if (sum->own_size) point->own = &trial->own[p * sum->own_size];
-  point->F      = &trial->F[p * sum->points->F_size];
-  point->stress = &trial->stress[p * MpmSymSize(dim)];
-  if (sum->materials[sum->points->material[p]].state_size) point->state = &trial->state[p * sum->state_size];
+  if (sum->own_size) point->end.own = &trial->own[p * sum->own_size];
+  point->end.F      = &trial->F[p * sum->points->F_size];
+  point->end.stress = &trial->stress[p * MpmSymSize(dim)];
+  if (sum->materials[sum->points->material[p]].state_size) point->end.state = &trial->state[p * sum->state_size];
 }

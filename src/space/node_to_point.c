@@ -49,7 +49,7 @@ MPM_INLINE void Interpolate(const MpmKnown known, const MpmSum *sum, PetscInt p,
   const PetscInt W = sum->space->width;
 
   for (PetscInt c = 0; c < known.block; c++) {
-    const PetscReal *wx = &sum->space->shape[known.solid ? 0 : sum->layout->shape_of[c]].weight[p * dim * W];
+    const PetscReal *wx = &sum->space->shape[known.solid ? 0 : sum->layout->component[c].shape].weight[p * dim * W];
     const PetscReal *wy = wx + W, *wz = wy + W, *v = &values[c * known.n];
 
     field[c] = 0.;
@@ -70,7 +70,7 @@ static void KeepValues(const MpmSum *sum, const MpmGroup *group, PetscInt p, con
 {
   const MpmLayout *layout = sum->layout;
   const MpmKnown   known  = KnownGeneral(layout, group);
-  const PetscInt   dim = known.dim, n = known.n, rates = layout->rates;
+  const PetscInt   dim = known.dim, n = known.n, rates = layout->rate.count;
   PetscReal        dF[MPM_MAX_DIM * MPM_MAX_DIM], cofactor[MPM_MAX_DIM * MPM_MAX_DIM], det;
 
   MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
@@ -82,8 +82,8 @@ static void KeepValues(const MpmSum *sum, const MpmGroup *group, PetscInt p, con
   }
   det = MpmCofactors(dim * dim, dF, cofactor);
   for (PetscInt r = 0; r < rates; r++) {
-    const PetscInt    c  = layout->rate_component[r];
-    PetscReal *const *by = &work->basis.basis[layout->shape_of[c] * MPM_BASES + 1];
+    const PetscInt    c  = layout->rate.component[r];
+    PetscReal *const *by = &work->basis.basis[layout->component[c].shape * MPM_BASES + 1];
     PetscReal         G[MPM_MAX_DIM], *gradient = &sum->points->value_gradient[(p * rates + r) * dim];
 
     sum->points->value[p * rates + r] = field[c];

@@ -22,12 +22,12 @@ typedef struct {
 MPM_INLINE PetscInt KnownComponent(const MpmKnown known, const MpmLayout *layout, PetscInt k)
 {
   if (known.biot) return k < known.dim * known.dim ? k / known.dim : known.dim;
-  return known.solid ? k / known.dim : layout->component_of[k];
+  return known.solid ? k / known.dim : layout->input.component[k];
 }
 MPM_INLINE PetscInt KnownBasis(const MpmKnown known, const MpmLayout *layout, PetscInt k)
 {
   if (known.biot) return k < known.dim * known.dim ? 1 + k % known.dim : k - known.dim * known.dim;
-  return known.solid ? 1 + k % known.dim : layout->basis_of[k];
+  return known.solid ? 1 + k % known.dim : layout->input.basis[k];
 }
 
 /* Nothing is constant. */
@@ -36,8 +36,8 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
   const PetscInt *count = group->count;
   const MpmKnown  known = {.dim    = layout->dim,
                            .block  = layout->block,
-                           .inputs = layout->inputs,
-                           .biot   = (PetscBool)(layout->biot && layout->kinematics != MPM_AXISYMMETRY),
+                           .inputs = layout->input.count,
+                           .biot   = (PetscBool)(layout->traits.biot && layout->kinematics != MPM_AXISYMMETRY),
                            .count  = {count[0], count[1], count[2]},
                            .n      = group->node_count};
   return known;
@@ -111,7 +111,7 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
   do { \
     const PetscInt *const count_ = (group)->count; \
     const PetscInt        most_  = PetscMax(PetscMax(count_[0], count_[1]), count_[2]); \
-    switch ((layout)->solid && (layout)->kinematics != MPM_AXISYMMETRY && most_ <= 4 \
+    switch ((layout)->traits.solid && (layout)->kinematics != MPM_AXISYMMETRY && most_ <= 4 \
               ? (count_[2] * 5 + count_[1]) * 5 + count_[0] \
               : -1) { \
       MPM_CASES_2D(f, __VA_ARGS__); \
@@ -133,7 +133,7 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
   do { \
     const PetscInt *const nodes_ = (group)->count; \
     const PetscInt        size_  = PetscMax(PetscMax(nodes_[0], nodes_[1]), nodes_[2]); \
-    switch ((layout)->biot && (layout)->kinematics != MPM_AXISYMMETRY && size_ <= 3 \
+    switch ((layout)->traits.biot && (layout)->kinematics != MPM_AXISYMMETRY && size_ <= 3 \
               ? (((layout)->dim * 5 + nodes_[2]) * 5 + nodes_[1]) * 5 + nodes_[0] \
               : -1) { \
       MPM_BIOT_CASES_2D(f, __VA_ARGS__); \
@@ -146,9 +146,9 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
 
 /* Calls f(N, ...) with the number of inputs, a constant for a solid. */
 #define MPM_DISPATCH_INPUTS(layout, f, ...) \
-  PetscCall((layout)->solid && (layout)->kinematics != MPM_AXISYMMETRY \
+  PetscCall((layout)->traits.solid && (layout)->kinematics != MPM_AXISYMMETRY \
               ? (layout)->dim == 2 ? f(4, __VA_ARGS__) : f(9, __VA_ARGS__) \
-              : f((layout)->inputs, __VA_ARGS__))
+              : f((layout)->input.count, __VA_ARGS__))
 
 /* Room for one group's work: nodal values and forces by component, and the basis functions of one point. */
 typedef struct {

@@ -321,7 +321,7 @@ static PetscErrorCode FindSupport(MpmSpace *space, const MpmRules *rules)
   PetscCall(PetscFree(touched));
   space->unknown_count = 0;
   for (PetscInt k = 0; k < space->owned * layout->block; k++)
-    space->unknown_count += space->support[k / layout->block] >> layout->shape_of[k % layout->block] & 1;
+    space->unknown_count += space->support[k / layout->block] >> layout->component[k % layout->block].shape & 1;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &space->unknown_count, 1, MPIU_INT, MPI_SUM, rules->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

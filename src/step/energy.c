@@ -73,7 +73,7 @@ static PetscErrorCode Measure(MpmModel model, PetscReal energy[2])
 PetscErrorCode MpmEnergyMark(MpmModel model)
 {
   PetscFunctionBeginUser;
-  if (model->disc.inertia->dynamic && model->state.scheme.energy.known)
+  if (model->disc.context.inertia->dynamic && model->state.scheme.energy.known)
     PetscCall(Measure(model, model->state.scheme.energy.mark));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -84,7 +84,7 @@ PetscErrorCode MpmEnergyRebase(MpmModel model)
   PetscReal  now[2];
 
   PetscFunctionBeginUser;
-  if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->disc.context.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Measure(model, now));
   energy->start += now[0] + now[1] - energy->mark[0] - energy->mark[1];
   energy->elastic += now[1] - energy->mark[1];
@@ -178,7 +178,7 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
   MpmTermWork     terms;
 
   PetscFunctionBeginUser;
-  if (!model->disc.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->disc.context.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->scene.stages[model->state.stage].geostatic.method != MPM_GEOSTATIC_NONE)
     PetscFunctionReturn(PETSC_SUCCESS);
   if (!work->unstrained) sum[0] = BY_DIM(Internal, model->disc.dim, model);

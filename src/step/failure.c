@@ -29,7 +29,7 @@ static void FindForce(const MpmModel model, PetscReal *size, PetscReal place[])
 
     for (PetscInt a = 0; a < dim; a++)
       if (!constraints->any || MpmConstraintsFree(constraints, i * bs + a))
-        square += PetscSqr(model->disc.residual[i * bs + a]);
+        square += PetscSqr(model->disc.nodal.residual[i * bs + a]);
     if (!(PetscSqrtReal(square) > *size) || PetscIsInfOrNanReal(square)) continue;
     *size = PetscSqrtReal(square);
     MpmNodePosition(&model->disc, i, place);
@@ -127,7 +127,7 @@ PetscErrorCode MpmStepLocate(MpmModel model, MpmOutcome *outcome)
   PetscFunctionBeginUser;
   PetscCall(MpmGatherSolution(&model->solver, model->solver.x));
   PetscCall(MpmSumResidual(&model->solver, &failed));
-  MpmFramesToUnknowns(model->disc.constraints, bs, MpmNodesOwned(&model->disc), model->disc.residual);
+  MpmFramesToUnknowns(model->disc.constraints, bs, MpmNodesOwned(&model->disc), model->disc.nodal.residual);
   model->disc.trial->made = PETSC_FALSE;
   tell                    = (PetscBool)(!failed && AllTell(model));
   FindForce(model, &most.size, place);

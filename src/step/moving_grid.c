@@ -225,7 +225,7 @@ static void BoundaryPlace(const MpmModel model, PetscReal time, const PetscReal 
   const MpmPose      pose      = MpmBoundaryPose(boundary, time);
   MpmPlacement       placement = model->state.placements[b];
 
-  if (u) MpmBoundaryAdvance(model->disc.contacts, b, model->disc.block, u, &placement);
+  if (u) MpmBoundaryAdvance(model->disc.context.contacts, b, model->disc.block, u, &placement);
   MpmBoundaryMiddle(boundary, &pose, &placement, place);
 }
 
@@ -272,7 +272,7 @@ static PetscErrorCode MeanIncrement(MpmModel model, PetscReal mean[])
       MpmSpaceEvaluate(space, group, space->order[s], &basis);
       sum[MPM_MAX_DIM] += 1.;
       for (PetscInt i = 0; i < group->node_count; i++)
-        for (PetscInt a = 0; a < dim; a++) sum[a] += basis.basis[0][i] * model->disc.u[nodes[i] * bs + a];
+        for (PetscInt a = 0; a < dim; a++) sum[a] += basis.basis[0][i] * model->disc.nodal.u[nodes[i] * bs + a];
     }
   }
   PetscCall(MpmParticlesRestoreField(model->state.particles, &share));
@@ -333,7 +333,7 @@ PetscErrorCode MpmMovingGridNext(MpmModel model, MpmGrid *next)
   *next = *model->disc.grid;
   if (follow->what == MPM_FOLLOW_NOTHING) PetscFunctionReturn(PETSC_SUCCESS);
   if (follow->what == MPM_FOLLOW_BOUNDARY) {
-    BoundaryPlace(model, model->state.time + model->disc.sum->span, model->disc.u, moved);
+    BoundaryPlace(model, model->state.time + model->disc.sum->span, model->disc.nodal.u, moved);
     for (PetscInt a = 0; a < model->disc.dim; a++) moved[a] -= model->state.grid.start[a];
   } else {
     PetscCall(MeanIncrement(model, moved));

@@ -42,8 +42,8 @@ PetscErrorCode MpmStepSpace(MpmModel model, MpmOutcome *outcome);
 
 /* ---- results of Newton's method (step_trial.c) ---- */
 
-/* Fails where the displacement model->disc.u would carry a point out of the grid; names the first one of the lowest
-   rank. */
+/* Fails where the displacement model->disc.nodal.u would carry a point out of the grid; names the first one of the
+   lowest rank. */
 PetscErrorCode MpmStepFindLost(MpmModel model, MpmOutcome *outcome);
 /* Points that rounding has taken over the grid's edges are put onto them. */
 void MpmStepClip(MpmModel model);
@@ -51,7 +51,7 @@ void MpmStepClip(MpmModel model);
 PetscErrorCode MpmStepRemoveGone(MpmModel model);
 /* The trial and the residual, along the axes, of Newton's solution. */
 PetscErrorCode MpmStepFindTrial(MpmModel model);
-/* Forces of conditions and motions, from that residual: model->disc.reaction. */
+/* Forces of conditions and motions, from that residual: model->disc.nodal.reaction. */
 PetscErrorCode MpmStepFindReactions(MpmModel model);
 /* The residual at the step's start, before any prediction: reference of Newton's tolerance. */
 PetscErrorCode MpmStepFindReference(MpmModel model);

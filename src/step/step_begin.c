@@ -44,10 +44,10 @@ static MpmRules Rules(MpmModel model, PetscReal time)
     .walls          = model->state.walls.at,
     .stretch        = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
     .longest        = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
-    .parts          = model->disc.parts,
+    .parts          = model->disc.material.parts,
     .materials      = model->disc.sum->materials,
-    .material_count = model->disc.material_count,
-    .ghost          = solves ? model->disc.ghost : 0.,
+    .material_count = model->disc.material.count,
+    .ghost          = solves ? model->disc.matrix.ghost : 0.,
     .filled         = solves ? model->scene.stabilization.filled : 0.,
     .sparse         = solves && model->scene.stabilization.ghost_auto ? MPM_GHOST_SPARSE : 0.,
     .interior = solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.stabilization.interior : 0.,
@@ -74,15 +74,15 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, MpmOut
   MpmTrial           *trial     = model->disc.trial;
 
   PetscFunctionBeginUser;
-  model->disc.committed = PETSC_FALSE;
+  model->disc.nodal.committed = PETSC_FALSE;
   PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
   PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   const PetscInt count = model->disc.space->point_count;
 
-  PetscCall(PetscFree3(model->disc.u, model->disc.residual, model->disc.force));
-  PetscCall(PetscMalloc3((model->disc.space->local * bs + 1), &model->disc.u, (model->disc.space->local * bs + 1),
-                         &model->disc.residual, (model->disc.space->local * bs + 1), &model->disc.force));
+  PetscCall(PetscFree3(model->disc.nodal.u, model->disc.nodal.residual, model->disc.nodal.force));
+  PetscCall(PetscMalloc3((model->disc.space->local * bs + 1), &model->disc.nodal.u, (model->disc.space->local * bs + 1),
+                         &model->disc.nodal.residual, (model->disc.space->local * bs + 1), &model->disc.nodal.force));
   PetscCall(MpmTrialReset(trial));
   PetscCall(PetscMalloc5((count * particles->F_size), &trial->F, (count * particles->stress_size), &trial->stress,
                          (count * particles->state_size), &trial->state, (count * particles->own_size), &trial->own,
@@ -110,7 +110,7 @@ MpmPrescription MpmStepPrescription(MpmModel model, PetscReal time)
                            .particles  = model->state.particles,
                            .time_n     = model->state.time,
                            .time       = time,
-                           .diagonal   = model->disc.diagonal};
+                           .diagonal   = model->disc.matrix.diagonal};
 }
 
 PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, MpmOutcome *outcome)
@@ -187,7 +187,7 @@ static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, MpmOutcom
 /* Waves that come in through absorbing conditions in a step to `time`, like other loads. */
 static PetscErrorCode AddIncoming(MpmModel model, PetscReal time, PetscReal end, PetscReal start, PetscReal force[])
 {
-  const MpmDamping *damping = model->disc.damping;
+  const MpmDamping *damping = model->disc.context.damping;
 
   PetscFunctionBeginUser;
   if (!damping->conditions) PetscFunctionReturn(PETSC_SUCCESS);
@@ -223,30 +223,30 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   if (!outcome->code) PetscCall(FindLostMaterial(model, time, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
-    model->disc.surfaces->factor[k]   = StepLoadFactor(model, model->scene.loads->count + k, time);
-    model->disc.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
+    model->disc.context.surfaces->factor[k]   = StepLoadFactor(model, model->scene.loads->count + k, time);
+    model->disc.context.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
   }
-  model->disc.sum->drained    = model->scene.stages[model->state.stage].drained;
-  model->disc.surfaces->still = model->state.scheme.water_held;
-  model->disc.surfaces->table = model->scene.water;
-  model->disc.surfaces->open  = model->state.scheme.load_scale;
+  model->disc.sum->drained            = model->scene.stages[model->state.stage].drained;
+  model->disc.context.surfaces->still = model->state.scheme.water_held;
+  model->disc.context.surfaces->table = model->scene.water;
+  model->disc.context.surfaces->open  = model->state.scheme.load_scale;
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
-  PetscCall(PetscArrayzero(model->disc.force, model->disc.space->local * model->disc.block));
+  PetscCall(PetscArrayzero(model->disc.nodal.force, model->disc.space->local * model->disc.block));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     const MpmLoad *load = &model->scene.loads->at[l];
 
     if (load->type != MPM_LOAD_GRAVITY || !model->state.scheme.integrator->length)
       PetscCall(MpmLoadApply(load, StepLoadFactor(model, l, time), rules, model->disc.sum, model->state.particles,
-                             model->disc.force));
+                             model->disc.nodal.force));
   }
-  PetscCall(MpmChangeAdd(model, time, model->disc.force));
+  PetscCall(MpmChangeAdd(model, time, model->disc.nodal.force));
   PetscCall(AddIncoming(model, time, 1. - model->state.scheme.load_at_start, model->state.scheme.load_at_start,
-                        model->disc.force));
+                        model->disc.nodal.force));
   if (model->scene.body_force) {
     const PetscReal at = time - model->state.scheme.load_at_start * model->disc.sum->span;
 
-    PetscCall(
-      MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, at, model->disc.sum, model->disc.force));
+    PetscCall(MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, at, model->disc.sum,
+                                model->disc.nodal.force));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

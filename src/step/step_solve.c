@@ -12,11 +12,11 @@
 /* Newton from the start at hand; from rest once more where the Krylov method had to be changed. */
 static PetscErrorCode SolveFrom(MpmModel model, PetscBool rest, SNESConvergedReason *reason)
 {
-  const PetscBool before = model->solver.indefinite;
+  const PetscBool before = model->solver.definite.lost;
 
   PetscFunctionBeginUser;
   PetscCall(MpmSolverSolve(&model->solver, reason));
-  if (!rest || model->solver.indefinite == before) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!rest || model->solver.definite.lost == before) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmStepStart(model, PETSC_FALSE));
   PetscCall(MpmSolverSolve(&model->solver, reason));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -48,7 +48,7 @@ static PetscErrorCode TryAll(MpmModel model, SNESConvergedReason *reason)
       if (rest) PetscCall(MpmStepStart(model, PETSC_FALSE));
       else PetscCall(VecCopy(start, solver->x));
     }
-    solver->cache.hasty = (PetscBool)(contact && k < (predicted ? 3 : 1));
+    solver->cache.stagnation.stops = (PetscBool)(contact && k < (predicted ? 3 : 1));
     PetscCall(SolveFrom(model, rest, reason));
     if (*reason >= 0) break;
     if (!k && contact) {
@@ -56,7 +56,7 @@ static PetscErrorCode TryAll(MpmModel model, SNESConvergedReason *reason)
       turns = (PetscBool)!turns;
     }
   }
-  solver->cache.hasty = PETSC_FALSE;
+  solver->cache.stagnation.stops = PETSC_FALSE;
   PetscCall(VecDestroy(&start));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -73,7 +73,7 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   const PetscBool slides = (PetscBool)((MpmTermsTraits(model->disc.terms) & MPM_TERM_SLIDES) > 0);
 
   PetscFunctionBeginUser;
-  model->solver.newton = model->solver.linear = 0;
+  model->solver.iterations.newton = model->solver.iterations.linear = 0;
   PetscCall(TryAll(model, reason));
   if (*reason >= 0 || !model->state.cuts || !slides) PetscFunctionReturn(PETSC_SUCCESS);
   MpmTermsSoften(model->disc.terms, GIVE);
@@ -91,7 +91,7 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
 */
 static PetscBool Rubs(const MpmModel model)
 {
-  const unsigned traits = model->disc.layout->saddle ? MPM_TERM_BETWEEN : MPM_TERM_BETWEEN | MPM_TERM_RUBS;
+  const unsigned traits = model->disc.layout->traits.saddle ? MPM_TERM_BETWEEN : MPM_TERM_BETWEEN | MPM_TERM_RUBS;
 
   return MpmTermsNear(model->disc.terms, traits);
 }
@@ -134,7 +134,7 @@ static PetscErrorCode Augment(MpmModel model, SNESConvergedReason *reason)
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < AUGMENTATIONS && *reason >= 0; k++) {
-    PetscCall(MpmTermsAugment(model->disc.terms, model->disc.sum, model->disc.u, (PetscBool)!k, &excess));
+    PetscCall(MpmTermsAugment(model->disc.terms, model->disc.sum, model->disc.nodal.u, (PetscBool)!k, &excess));
     if (excess <= 1. && !cache->rough) PetscFunctionReturn(PETSC_SUCCESS);
     cache->rough = (PetscBool)(excess > NEARLY);
     PetscCall(MpmSolverSolve(&model->solver, reason));
@@ -166,7 +166,7 @@ PetscErrorCode MpmStepSolve(MpmModel model, MpmOutcome *outcome)
   PetscCall(MpmStabilityCheck(&model->solver, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   outcome->retryable = PETSC_TRUE;
-  if (MpmTermsStray(model->disc.terms, model->disc.sum, model->disc.u))
+  if (MpmTermsStray(model->disc.terms, model->disc.sum, model->disc.nodal.u))
     PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
                              "a free boundary moved by more than its contacts were looked for"));
   else PetscCall(MpmStepFindLost(model, outcome));

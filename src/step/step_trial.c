@@ -21,7 +21,7 @@
 static PetscErrorCode KeepDeviations(MpmModel model, const PetscReal u[])
 {
   const MpmSpace *space = model->disc.space;
-  const PetscInt  bs = model->disc.block, count = model->disc.points->count * model->disc.layout->deviations;
+  const PetscInt  bs = model->disc.block, count = model->disc.points->count * model->disc.layout->deviation.count;
   PetscReal      *local;
 
   PetscFunctionBeginUser;
@@ -40,7 +40,7 @@ static PetscErrorCode KeepDeviations(MpmModel model, const PetscReal u[])
 static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
 {
   const MpmLayout *layout = model->disc.layout;
-  const PetscInt   rates = layout->rates, bs = layout->block, owned = model->disc.space->owned;
+  const PetscInt   rates = layout->rate.count, bs = layout->block, owned = model->disc.space->owned;
   PetscReal       *nodal;
 
   PetscFunctionBeginUser;
@@ -52,13 +52,13 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
 
     PetscCall(MpmProjectToNodes(model->disc.sum, &values, nodal));
     for (PetscInt k = 0; k < owned * rates; k++) {
-      const PetscInt c = layout->rate_component[k % rates];
+      const PetscInt c = layout->rate.component[k % rates];
 
-      if (layout->shape_of[c] == s) u[k / rates * bs + c] = nodal[k];
+      if (layout->component[c].shape == s) u[k / rates * bs + c] = nodal[k];
     }
   }
   PetscCall(PetscFree(nodal));
-  if (layout->deviations) PetscCall(KeepDeviations(model, u));
+  if (layout->deviation.count) PetscCall(KeepDeviations(model, u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -156,7 +156,7 @@ PetscErrorCode MpmStepFindLost(MpmModel model, MpmOutcome *outcome)
   PetscFunctionBeginUser;
   if (MayLeave(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMovingGridNext(model, &next));
-  PetscCall(MpmFindOutside(model->disc.sum, follows ? &next : model->disc.grid, model->disc.u, &point, x));
+  PetscCall(MpmFindOutside(model->disc.sum, follows ? &next : model->disc.grid, model->disc.nodal.u, &point, x));
   if (point >= 0) {
     rank = model->rank;
     PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_OUTSIDE,
@@ -178,11 +178,11 @@ PetscErrorCode MpmStepFindTrial(MpmModel model)
   PetscInt       failed;
 
   PetscFunctionBeginUser;
-  if (same) PetscCall(PetscArraycmp(model->disc.trial->u, model->disc.u, count, &same));
+  if (same) PetscCall(PetscArraycmp(model->disc.trial->u, model->disc.nodal.u, count, &same));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &same, 1, MPM_MPI_BOOL, MPI_LAND, model->comm));
   if (same) {
     if (model->disc.trial->framed)
-      MpmFramesToAxes(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual);
+      MpmFramesToAxes(model->disc.constraints, bs, model->disc.space->owned, model->disc.nodal.residual);
     model->disc.trial->framed = PETSC_FALSE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -200,12 +200,13 @@ PetscErrorCode MpmStepFindReactions(MpmModel model)
   const PetscInt count = (model->scene.bcs->count + model->scene.motions->count) * bs; /* of reactions */
 
   PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(model->disc.reaction, count));
-  MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.residual,
-                             model->disc.reaction);
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, model->disc.reaction, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscCall(PetscArrayzero(model->disc.nodal.reaction, count));
+  MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, model->disc.nodal.residual,
+                             model->disc.nodal.reaction);
+  PetscCall(
+    MPIU_Allreduce(MPI_IN_PLACE, model->disc.nodal.reaction, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
   for (PetscInt k = 0; k < count; k++)
-    if (model->disc.layout->negative[k % bs]) model->disc.reaction[k] *= -1.;
+    if (model->disc.layout->component[k % bs].negative) model->disc.nodal.reaction[k] *= -1.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

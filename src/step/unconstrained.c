@@ -246,7 +246,7 @@ static void HoldByConditions(Pieces *pieces)
 static void HoldByBoundaries(Pieces *pieces)
 {
   const MpmModel     model    = pieces->model;
-  const MpmContacts *contacts = model->disc.contacts;
+  const MpmContacts *contacts = model->disc.context.contacts;
   const PetscInt     dim      = pieces->dim;
 
   for (PetscInt k = 0; k < contacts->facets.count; k++) {
@@ -273,7 +273,7 @@ static void HoldByBoundaries(Pieces *pieces)
 static void HoldByPairs(Pieces *pieces)
 {
   const MpmModel         model = pieces->model;
-  const MpmPairContacts *pairs = model->disc.pairs;
+  const MpmPairContacts *pairs = model->disc.context.pairs;
 
   for (PetscInt k = 0; pieces->kind != WHOLE && k < pairs->patch_count; k++) {
     const MpmPairPatch *patch = &pairs->patch[k];
@@ -297,7 +297,7 @@ static void AddLoads(Pieces *pieces)
   const PetscInt bs = model->disc.block, dim = pieces->dim;
 
   for (PetscInt i = 0; i < model->disc.space->local; i++) {
-    const PetscReal *force = &model->disc.force[i * bs];
+    const PetscReal *force = &model->disc.nodal.force[i * bs];
     PetscReal        x[MPM_MAX_DIM], row[MOTIONS_MOST];
 
     if (MpmSpaceIsExtra(model->disc.space, i)) continue;
@@ -446,7 +446,7 @@ PetscErrorCode MpmUnconstrainedIsPushed(MpmModel model, PetscBool *pushed)
 
   PetscFunctionBeginUser;
   *pushed = PETSC_FALSE;
-  if (!model->disc.layout->solid || model->disc.inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->disc.layout->traits.solid || model->disc.context.inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Examine(model, WHOLE, &pieces, &worst, &freedom));
   *pushed = (PetscBool)(worst >= 0 && freedom.pushed);
   PetscCall(Forget(&pieces));
@@ -461,7 +461,7 @@ PetscErrorCode MpmUnconstrainedExplain(MpmModel model, MpmOutcome *outcome)
   char    *text = NULL;
 
   PetscFunctionBeginUser;
-  if (!model->disc.layout->solid || model->disc.inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->disc.layout->traits.solid || model->disc.context.inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt kind = WHOLE; kind <= LOOSE && !text; kind++) {
     if ((kind == APART && !model->scene.pairs->count) ||
         (kind == LOOSE && !model->scene.pairs->count && !model->scene.boundaries->count))
@@ -478,7 +478,7 @@ PetscErrorCode MpmUnconstrainedExplain(MpmModel model, MpmOutcome *outcome)
     }
     PetscCall(Forget(&pieces));
   }
-  if (!text) PetscCall(MpmTermsUnheld(model->disc.terms, model->disc.sum, model->disc.u, outcome));
+  if (!text) PetscCall(MpmTermsUnheld(model->disc.terms, model->disc.sum, model->disc.nodal.u, outcome));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -176,23 +176,24 @@ PetscErrorCode MpmWaterRead(MpmModel model, const MpmOptions *options)
   PetscReal        bounds[2 * MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
-  if (MpmPressureComponent(layout) < 0 || layout->taken_up < 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmPressureComponent(layout) < 0 || layout->own.taken_up < 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
     PetscCall(MpmBodyReadPressure(options, model->scene.bodies->names[b], model->scene.bodies->at[b]));
-  model->scene.water->weight = model->scene.materials->at[0].physics_parameter[layout->taken_up];
+  model->scene.water->weight = model->scene.materials->at[0].physics_parameter[layout->own.taken_up];
   for (PetscInt a = 0; a < model->disc.dim; a++) {
     bounds[a]               = model->disc.grid->lower[a];
     bounds[MPM_MAX_DIM + a] = model->disc.grid->upper[a];
   }
   PetscCall(MpmWaterTableCreate(options, model->disc.dim, bounds, model->scene.loads, model->scene.water));
   for (PetscInt k = 0; k < model->scene.surfaces->count; k++) /* the load of open water follows its face */
-    if (model->scene.water->there && model->scene.surfaces->at[k].drained) model->solver.symmetric = PETSC_FALSE;
+    if (model->scene.water->there && model->scene.surfaces->at[k].drained)
+      model->solver.definite.symmetric = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end)
 {
-  const PetscInt dim = model->disc.dim, rates = model->disc.layout->rates;
+  const PetscInt dim = model->disc.dim, rates = model->disc.layout->rate.count;
   const char    *pressure;
   MpmStillWater  still;
   PetscInt      *body;
@@ -200,7 +201,7 @@ PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end)
 
   PetscFunctionBeginUser;
   if (MpmPressureComponent(model->disc.layout) < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  pressure = model->disc.layout->component_name[MpmPressureComponent(model->disc.layout)];
+  pressure = model->disc.layout->component[MpmPressureComponent(model->disc.layout)].name;
   PetscCall(FindStill(model, model->state.time, &still));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(PetscMalloc1(points.count, &body));
@@ -223,7 +224,7 @@ PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end)
 /* Values of the points and their gradients, less a part of those at rest. */
 static PetscErrorCode SubtractStill(MpmModel model, PetscReal part, PetscReal value[], PetscReal gradient[])
 {
-  const PetscInt count = model->disc.points->count, dim = model->disc.dim, rates = model->disc.layout->rates;
+  const PetscInt count = model->disc.points->count, dim = model->disc.dim, rates = model->disc.layout->rate.count;
   PetscReal     *rest, *slope;
 
   PetscFunctionBeginUser;
@@ -242,9 +243,9 @@ static PetscErrorCode SubtractStill(MpmModel model, PetscReal part, PetscReal va
 static PetscErrorCode Project(MpmModel model, PetscInt c, PetscReal nodal[])
 {
   const MpmLayout *layout = model->disc.layout;
-  const PetscInt   count = model->disc.points->count * layout->rates, dim = model->disc.dim;
+  const PetscInt   count = model->disc.points->count * layout->rate.count, dim = model->disc.dim;
   const PetscReal *still = model->disc.sum->still.pressure, part = model->state.scheme.load_scale;
-  MpmPointValues   values = {layout->shape_of[c], 1, layout->rates, NULL, NULL, layout->rates * dim};
+  MpmPointValues   values = {layout->component[c].shape, 1, layout->rate.count, NULL, NULL, layout->rate.count * dim};
   PetscReal       *value, *gradient;
 
   PetscFunctionBeginUser;
@@ -329,7 +330,7 @@ static PetscBool FindUp(const MpmModel model, PetscInt *axis, PetscReal *up, Pet
     if (a != *axis) across += PetscAbsReal(gravity[a]);
   *up = gravity[*axis] > 0. ? -1. : 1.;
   *weight =
-    PetscAbsReal(gravity[*axis]) * model->scene.materials->at[0].physics_parameter[model->disc.layout->taken_up];
+    PetscAbsReal(gravity[*axis]) * model->scene.materials->at[0].physics_parameter[model->disc.layout->own.taken_up];
   return (PetscBool)(*weight > 0. && across <= ALONG * PetscAbsReal(gravity[*axis]));
 }
 
@@ -345,7 +346,7 @@ static PetscBool HasParted(PetscInt stress_size, const PetscReal stress[], Petsc
 /* Volumes of the ground in each level of cells, and of its open ground, `levels` values each. */
 static PetscErrorCode SumLevels(MpmModel model, PetscInt axis, PetscReal up, PetscReal weight, PetscReal volume[])
 {
-  const PetscInt dim = model->disc.dim, rates = model->disc.layout->rates, levels = model->disc.grid->cells[axis];
+  const PetscInt dim = model->disc.dim, rates = model->disc.layout->rate.count, levels = model->disc.grid->cells[axis];
   const PetscInt size = model->state.particles->stress_size;
   MpmPoints      points;
 
@@ -374,7 +375,7 @@ PetscErrorCode MpmWaterFindHeave(MpmModel model, MpmOutcome *outcome)
   PetscReal      up, weight, *volume, above = 0., all = 0.;
 
   PetscFunctionBeginUser;
-  if (MpmPressureComponent(model->disc.layout) < 0 || model->disc.layout->taken_up < 0)
+  if (MpmPressureComponent(model->disc.layout) < 0 || model->disc.layout->own.taken_up < 0)
     PetscFunctionReturn(PETSC_SUCCESS);
   if (!FindUp(model, &axis, &up, &weight)) PetscFunctionReturn(PETSC_SUCCESS);
   levels = grid->cells[axis];
@@ -425,14 +426,14 @@ static void PlaceText(const MpmModel model, const PetscReal x[], char text[MPM_W
 PetscErrorCode MpmWaterFindTension(MpmModel model, char text[MPM_WATER_TEXT])
 {
   const MpmStage *stage = &model->scene.stages[model->state.stage];
-  const PetscInt  dim = model->disc.dim, rates = model->disc.layout->rates;
+  const PetscInt  dim = model->disc.dim, rates = model->disc.layout->rate.count;
   PetscReal       least[1 + MPM_MAX_DIM] = {PETSC_INFINITY};
   char            place[MPM_WATER_TEXT];
   MpmPoints       points;
 
   PetscFunctionBeginUser;
   text[0] = '\0';
-  if (MpmPressureComponent(model->disc.layout) < 0 || model->disc.layout->taken_up < 0)
+  if (MpmPressureComponent(model->disc.layout) < 0 || model->disc.layout->own.taken_up < 0)
     PetscFunctionReturn(PETSC_SUCCESS);
   if (model->state.scheme.water.boiled > model->state.stage) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
@@ -471,14 +472,14 @@ static PetscBool FindPorosity(const MpmModel model, PetscInt *first)
 
 PetscErrorCode MpmWaterFindClosed(MpmModel model, MpmOutcome *outcome)
 {
-  const PetscInt dim = model->disc.dim, size = model->disc.layout->own_size;
+  const PetscInt dim = model->disc.dim, size = model->disc.layout->own.size;
   PetscReal      least[1 + MPM_MAX_DIM] = {PETSC_INFINITY};
   char           place[MPM_WATER_TEXT];
   PetscInt       first;
   MpmPoints      points;
 
   PetscFunctionBeginUser;
-  if (MpmPressureComponent(model->disc.layout) < 0 || model->disc.layout->taken_up < 0)
+  if (MpmPressureComponent(model->disc.layout) < 0 || model->disc.layout->own.taken_up < 0)
     PetscFunctionReturn(PETSC_SUCCESS);
   if (!FindPorosity(model, &first)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));

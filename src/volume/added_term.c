@@ -31,7 +31,7 @@ static void ListBases(const MpmLayout *layout, const MpmBasis *basis, Bases list
 {
   for (PetscInt c = 0; c < layout->block; c++)
     for (PetscInt k = 0; k <= layout->dim; k++)
-      list[c * (layout->dim + 1) + k] = basis->basis[layout->shape_of[c] * MPM_BASES + k];
+      list[c * (layout->dim + 1) + k] = basis->basis[layout->component[c].shape * MPM_BASES + k];
 }
 
 /* The element of point p, but for its nodes. */

@@ -139,7 +139,7 @@ static PetscInt ListFaces(const MpmMaterialPieces *map, const MpmRules *rules, P
       face.material[0] = MpmMarkMaterial(here);
       face.material[1] = MpmMarkMaterial(there);
       face.stiffness   = PetscMax(face.gamma, rules->interior) *
-                       PetscMax(materials[face.material[0]].penalty, materials[face.material[1]].penalty);
+                       PetscMax(materials[face.material[0]].moduli.penalty, materials[face.material[1]].moduli.penalty);
       if (faces) {
         for (PetscInt a = 0; a < map->dim; a++) AxisMatrix(&face, &box, a, grid->h[a]);
         faces[count] = face;

@@ -75,7 +75,7 @@ static PetscInt Components(const MpmSum *sum)
   const MpmLayout *layout = sum->layout;
   const PetscInt   dim    = layout->dim;
 
-  return layout->ghost && layout->block == dim + 1 && !layout->shape_of[dim] ? dim + 1 : dim;
+  return layout->ghost && layout->block == dim + 1 && !layout->component[dim].shape ? dim + 1 : dim;
 }
 
 /* True where the face's matrix reaches into dry ground, where the slope of the pressure jumps. */

@@ -78,7 +78,8 @@ static void Mark(const MpmMaterialPieces *map, const MpmMaterial materials[], co
   if (!map->used[layer]) (void)memset(&map->mark[layer * each], 0, (size_t)each * sizeof(PetscInt));
   map->used[layer] = PETSC_TRUE;
   if (!*mark) *mark = added;
-  if (materials[MpmMarkMaterial(*mark)].penalty >= materials[material].penalty) material = MpmMarkMaterial(*mark);
+  if (materials[MpmMarkMaterial(*mark)].moduli.penalty >= materials[material].moduli.penalty)
+    material = MpmMarkMaterial(*mark);
   *mark = 1 + 2 * material + (MpmMarkIsSparse(*mark) || MpmMarkIsSparse(added));
 }
 

@@ -44,7 +44,7 @@ static void Evaluate(const MpmSum *sum, PetscInt p, PetscInt n, const MpmBasis *
 {
   const MpmMaterial *material = &sum->materials[sum->points->material[p]];
   const PetscInt     dim      = sum->space->dim;
-  const PetscReal    scale    = -material->physics_parameter[sum->layout->taken_up] * sum->points->volume0[p];
+  const PetscReal    scale    = -material->physics_parameter[sum->layout->own.taken_up] * sum->points->volume0[p];
   const PetscReal   *hoop     = sum->space->shape[0].hoop ? basis->basis[MPM_HOOP_BASIS] : NULL;
   PetscReal          dF[MPM_MAX_DIM * MPM_MAX_DIM], by[MPM_MAX_DIM * MPM_MAX_DIM];
 

@@ -33,12 +33,12 @@ static int SwellingKernel(const MpmKernelPoint *point, const Scalar input[], Sca
   flux[SOLID] = ScalarScale(point->volume0, ScalarAdd(rate, ScalarScale(physics[SOURCE], J)));
   for (int a = 0; a < MPM_DIM; a++)
     flux[SOLID + 1 + a] = ScalarScale(point->volume0 * physics[DIFFUSIVITY], ScalarMul(J, input[SOLID + 1 + a]));
-  if (point->F) {
+  if (point->end.F) {
     const Sym sigma = SymScaleBy(1. / ScalarValue(J), &tau);
 
-    TensorStore(point->F, &F);
-    SymStore(point->stress, &sigma);
-    point->own[0] = fmax(point->own_n[0], ScalarValue(c));
+    TensorStore(point->end.F, &F);
+    SymStore(point->end.stress, &sigma);
+    point->end.own[0] = fmax(point->own_n[0], ScalarValue(c));
   }
   return 0;
 }

@@ -86,7 +86,7 @@ static inline PetscErrorCode SceneCommit(MpmModel model, Vec x)
   PetscCall(MpmGatherSolution(&model->solver, x));
   PetscCall(MpmSumResidual(&model->solver, &failed));
   PetscCheck(!failed, PETSC_COMM_SELF, PETSC_ERR_PLIB, "%" PetscInt_FMT " points have no answer", failed);
-  PetscCall(MpmCommitLocal(model->disc.sum, model->disc.u));
+  PetscCall(MpmCommitLocal(model->disc.sum, model->disc.nodal.u));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   model->state.time += model->disc.sum->dt;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -119,9 +119,10 @@ static inline PetscErrorCode SceneFill(MpmModel model, PetscInt seed, const Pets
 static inline PetscErrorCode SceneJacobian(MpmModel model, MpmJacobianType type, Vec x, Mat *copy)
 {
   PetscFunctionBeginUser;
-  model->solver.jacobian_type = type;
-  PetscCall(SNESComputeJacobian(model->solver.snes, x, model->solver.jacobian, model->solver.jacobian));
-  PetscCall(MatDuplicate(model->solver.jacobian, MAT_COPY_VALUES, copy));
+  model->solver.jacobian.form = type;
+  PetscCall(
+    SNESComputeJacobian(model->solver.snes, x, model->solver.jacobian.assembled, model->solver.jacobian.assembled));
+  PetscCall(MatDuplicate(model->solver.jacobian.assembled, MAT_COPY_VALUES, copy));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -314,7 +315,7 @@ static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, Sce
         off = PetscMax(off, PetscAbsScalar(product));
       }
     }
-    if (least > 1e-6 * model->disc.diagonal) verdict->blocks = PetscMax(verdict->blocks, off);
+    if (least > 1e-6 * model->disc.matrix.diagonal) verdict->blocks = PetscMax(verdict->blocks, off);
   }
   PetscCall(VecDestroy(&y));
   PetscCall(VecDestroy(&z));
@@ -327,11 +328,11 @@ static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, Sce
 /* Compares the Jacobians at x, and the local one with the residual's change along v. */
 static inline PetscErrorCode SceneCompare(MpmModel model, Vec x, Vec v, SceneVerdict *verdict)
 {
-  const PetscBool factorises = model->solver.factorises;
+  const PetscBool factorises = model->solver.preset.factorises;
   Mat             local, other;
 
   PetscFunctionBeginUser;
-  model->solver.factorises = PETSC_FALSE; /* raised diagonals of weak nodes are no part of what is compared */
+  model->solver.preset.factorises = PETSC_FALSE; /* raised diagonals of weak nodes are no part of what is compared */
   PetscCall(SceneJacobian(model, MPM_JACOBIAN_LOCAL, x, &local));
   PetscCall(MatNorm(local, NORM_FROBENIUS, &verdict->norm));
   PetscCall(SceneJacobian(model, MPM_JACOBIAN_COLORING, x, &other));
@@ -348,7 +349,7 @@ static inline PetscErrorCode SceneCompare(MpmModel model, Vec x, Vec v, SceneVer
   PetscCall(SceneDiagonal(model, local, x, verdict));
   PetscCall(SceneTaylor(model, local, x, v, verdict));
   PetscCall(MatDestroy(&local));
-  model->solver.factorises = factorises;
+  model->solver.preset.factorises = factorises;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -61,20 +61,20 @@ static void SideCreate(const char *physics_name, int kinematics, Side *side)
 /* Stress, history and tangent of a step */
 static int Answer(Side *side)
 {
-  MpmKernelPoint point  = {.parameter = side->material.parameter,
-                           .state_n   = side->state_n,
-                           .F_n       = side->F_n,
-                           .info      = &side->material.info,
-                           .volume0   = 2.,
-                           .dt        = 0.1,
-                           .traits    = side->material.info.traits,
-                           .law       = side->material.law,
-                           .table     = side->material.table};
+  MpmKernelPoint point  = {.material.parameter = side->material.parameter,
+                           .state_n            = side->state_n,
+                           .F_n                = side->F_n,
+                           .material.info      = &side->material.info,
+                           .volume0            = 2.,
+                           .dt                 = 0.1,
+                           .material.traits    = side->material.info.traits,
+                           .material.law       = side->material.law,
+                           .material.table     = side->material.table};
   int            failed = side->kernel.tangent(&point, side->input, side->flux, side->tangent);
 
-  point.state  = side->state;
-  point.F      = side->F;
-  point.stress = side->stress;
+  point.end.state  = side->state;
+  point.end.F      = side->F;
+  point.end.stress = side->stress;
   return failed + side->kernel.residual(&point, side->input, side->flux);
 }
 

@@ -65,25 +65,25 @@ START_TEST(layout)
 
     UNIT_CALL(MpmLayoutCreate(&toy, dim, &plan));
     ck_assert_int_eq((int)plan.block, dim == 2 ? 3 : 4);
-    ck_assert_int_eq((int)plan.inputs, dim == 2 ? 7 : 13);
-    ck_assert_int_eq((int)plan.rates, 1);
-    ck_assert_int_eq((int)plan.rate_component[0], (int)dim);
-    ck_assert(!plan.solid);
+    ck_assert_int_eq((int)plan.input.count, dim == 2 ? 7 : 13);
+    ck_assert_int_eq((int)plan.rate.count, 1);
+    ck_assert_int_eq((int)plan.rate.component[0], (int)dim);
+    ck_assert(!plan.traits.solid);
     for (PetscInt c = 0; c < dim; c++) {
-      ck_assert(plan.increment[c]);
-      ck_assert_str_eq(plan.component_name[c], ((const char *const[]){"x", "y", "z"})[c]);
+      ck_assert(plan.component[c].increment);
+      ck_assert_str_eq(plan.component[c].name, ((const char *const[]){"x", "y", "z"})[c]);
     }
-    ck_assert(!plan.increment[dim]);
-    ck_assert_str_eq(plan.component_name[dim], "concentration");
+    ck_assert(!plan.component[dim].increment);
+    ck_assert_str_eq(plan.component[dim].name, "concentration");
     /* the gradient of each displacement, then the scalar and its gradient */
-    for (PetscInt k = 0; k < plan.inputs; k++) {
+    for (PetscInt k = 0; k < plan.input.count; k++) {
       const PetscInt scalar = k - dim * dim;
 
-      ck_assert_int_eq((int)plan.component_of[k], scalar < 0 ? (int)(k / dim) : (int)dim);
-      ck_assert_int_eq((int)plan.basis_of[k], scalar < 0 ? (int)(1 + k % dim) : (int)scalar);
+      ck_assert_int_eq((int)plan.input.component[k], scalar < 0 ? (int)(k / dim) : (int)dim);
+      ck_assert_int_eq((int)plan.input.basis[k], scalar < 0 ? (int)(1 + k % dim) : (int)scalar);
     }
     for (PetscInt c = 0; c <= plan.block; c++) {
-      ck_assert_int_eq((int)plan.by_component.first[c], c <= dim ? (int)(c * dim) : (int)plan.inputs);
+      ck_assert_int_eq((int)plan.input.by_component.first[c], c <= dim ? (int)(c * dim) : (int)plan.input.count);
     }
     ck_assert(MpmLayoutUsesValues(&plan));
   }
@@ -101,8 +101,8 @@ START_TEST(layout_shapes)
     SetOwn(k);
     UNIT_CALL(MpmLayoutCreate(&toy, 2, &plan));
     ck_assert_int_eq((int)plan.shape_count, (int)(1 + shape));
-    for (PetscInt c = 0; c < 3; c++) ck_assert_int_eq((int)plan.shape_of[c], c < 2 ? 0 : (int)shape);
-    for (PetscInt i = 4; i < 7; i++) ck_assert_int_eq((int)plan.basis_of[i], (int)(shape * MPM_BASES + i - 4));
+    for (PetscInt c = 0; c < 3; c++) ck_assert_int_eq((int)plan.component[c].shape, c < 2 ? 0 : (int)shape);
+    for (PetscInt i = 4; i < 7; i++) ck_assert_int_eq((int)plan.input.basis[i], (int)(shape * MPM_BASES + i - 4));
     ck_assert(MpmLayoutUsesValues(&plan));
   }
   SetOwn(0);
@@ -319,7 +319,7 @@ static void RunUniform(PetscInt k)
   SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
   ck_assert_msg(SceneAll((PetscBool)(worst <= 1e-13)), "degree %d: the value is wrong by %g", own[k].degree,
                 (double)worst);
-  ck_assert_int_eq((int)model->solver.newton_total, 0);
+  ck_assert_int_eq((int)model->solver.iterations.newton_total, 0);
   SCENE_CALL(SceneDestroy(&model));
   SetOwn(0);
 }
@@ -405,7 +405,7 @@ static void RunInflow(PetscInt k)
   for (PetscInt p = 0; p < points.count; p++) content[1] += points.volume0[p] * points.value[p];
   SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
   SCENE_CALL(MPI_Allreduce(MPI_IN_PLACE, content, 2, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
-  flow = model->disc.reaction[1 * model->disc.block + 2];
+  flow = model->disc.nodal.reaction[1 * model->disc.block + 2];
   /* 21 x 3 nodes, on the lattice of spacing 2 11 x 2 of them */
   ck_assert_int_eq((int)model->disc.space->unknown_count, 2 * 63 + (own[k].spacing > 1 ? 22 : 63));
   ck_assert_double_gt(flow, 0.05);
@@ -439,8 +439,8 @@ START_TEST(ranks_agree)
     SCENE_CALL(SceneFieldDifference(alone, model, 1, "value", NULL, &value));
     ck_assert_msg(SceneAll((PetscBool)(moved <= 1e-9)), "%dD: positions differ by %g", (int)dim, (double)moved);
     ck_assert_msg(SceneAll((PetscBool)(value <= 1e-9)), "%dD: values differ by %g", (int)dim, (double)value);
-    ck_assert_int_eq((int)model->solver.newton_total, (int)alone->solver.newton_total);
-    ck_assert_int_le((int)model->solver.newton_total, 24);
+    ck_assert_int_eq((int)model->solver.iterations.newton_total, (int)alone->solver.iterations.newton_total);
+    ck_assert_int_le((int)model->solver.iterations.newton_total, 24);
     SCENE_CALL(MpmModelDestroy(&alone));
     SCENE_CALL(SceneDestroy(&model));
   }

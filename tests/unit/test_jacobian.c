@@ -327,9 +327,9 @@ static void Check(MpmModel model, const Law *law, PetscInt held, PetscReal plast
 static void CheckTouch(MpmModel model)
 {
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
-    SCENE_CALL(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.u, model->state.particles));
-    ck_assert_msg(model->disc.contacts->depth[b] > 0.01 * model->disc.h[0], "boundary %s has a depth of %g",
-                  model->scene.boundaries->names[b], (double)model->disc.contacts->depth[b]);
+    SCENE_CALL(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.nodal.u, model->state.particles));
+    ck_assert_msg(model->disc.context.contacts->depth[b] > 0.01 * model->disc.h[0], "boundary %s has a depth of %g",
+                  model->scene.boundaries->names[b], (double)model->disc.context.contacts->depth[b]);
   }
 }
 
@@ -415,7 +415,7 @@ START_TEST(long_domains)
       SCENE_CALL(Create(dim, shapes[s], &laws[2], s == 0 ? HELD : FREE, &model));
       SCENE_CALL(Look(model, &laws[2], dim == 2 ? half : 0.7, &plastic, &verdict));
       ck_assert_int_ge((int)model->disc.space->width, dim == 2 ? 5 : 4);
-      ck_assert_int_eq((int)model->disc.pattern->reach, (int)model->disc.space->width - 1);
+      ck_assert_int_eq((int)model->disc.matrix.pattern->reach, (int)model->disc.space->width - 1);
       Check(model, &laws[2], s == 0 ? HELD : FREE, plastic, &verdict);
       SCENE_CALL(SceneDestroy(&model));
     }

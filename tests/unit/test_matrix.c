@@ -86,15 +86,15 @@ static PetscErrorCode ByCoordinates(MpmModel model, Mat *mat)
   PetscInt           failed;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmPatternCreateMat(disc->pattern, disc->space, model->comm, COORDINATES_ONLY, mat));
-  ck_assert(disc->pattern->coordinates);
+  PetscCall(MpmPatternCreateMat(disc->matrix.pattern, disc->space, model->comm, COORDINATES_ONLY, mat));
+  ck_assert(disc->matrix.pattern->coordinates);
   PetscCall(MpmGatherSolution(&model->solver, model->solver.x));
   for (PetscInt again = 0; again < 2; again++) { /* a second time in the same matrix */
-    PetscCall(MpmPatternBegin(disc->pattern, disc->space, disc->constraints, *mat));
-    PetscCall(MpmTermsTangent(disc->terms, disc->sum, disc->u, disc->pattern, NULL, &failed));
-    PetscCall(MpmPatternEnd(disc->pattern, disc->space, *mat));
+    PetscCall(MpmPatternBegin(disc->matrix.pattern, disc->space, disc->constraints, *mat));
+    PetscCall(MpmTermsTangent(disc->terms, disc->sum, disc->nodal.u, disc->matrix.pattern, NULL, &failed));
+    PetscCall(MpmPatternEnd(disc->matrix.pattern, disc->space, *mat));
   }
-  disc->pattern->coordinates = PETSC_FALSE;
+  disc->matrix.pattern->coordinates = PETSC_FALSE;
   PetscCall(PetscObjectChangeTypeName((PetscObject)*mat, model->size > 1 ? MATMPIAIJ : MATSEQAIJ));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

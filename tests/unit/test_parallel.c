@@ -629,12 +629,12 @@ static void CheckSame(MpmModel model, MpmModel alone, const char *name)
   SCENE_CALL(SceneFieldDifference(alone, model, alone->state.particles->stress_size, "stress", NULL, &stress));
   ck_assert_msg(SceneAll((PetscBool)(moved <= 1e-9)), "%s: displacements differ by %g", name, (double)moved);
   ck_assert_msg(SceneAll((PetscBool)(stress <= 1e-8)), "%s: stresses differ by %g", name, (double)stress);
-  ck_assert_int_eq((int)model->solver.newton_total, (int)alone->solver.newton_total);
+  ck_assert_int_eq((int)model->solver.iterations.newton_total, (int)alone->solver.iterations.newton_total);
   ck_assert_int_eq((int)model->state.active_dofs_max, (int)alone->state.active_dofs_max);
   for (PetscInt k = 0; k < alone->scene.bcs->count * dim; k++)
-    largest = PetscMax(largest, PetscAbsReal(alone->disc.reaction[k]));
+    largest = PetscMax(largest, PetscAbsReal(alone->disc.nodal.reaction[k]));
   for (PetscInt k = 0; k < alone->scene.bcs->count * dim; k++)
-    ck_assert_double_eq_tol(model->disc.reaction[k], alone->disc.reaction[k], 1e-8 * largest);
+    ck_assert_double_eq_tol(model->disc.nodal.reaction[k], alone->disc.nodal.reaction[k], 1e-8 * largest);
   SCENE_CALL(MpmParticlesGetArrays(alone->state.particles, &points));
   for (PetscInt k = 0; k < points.count * dim; k++) moved = PetscMax(moved, PetscAbsReal(points.x[k] - points.x0[k]));
   SCENE_CALL(MpmParticlesRestoreArrays(alone->state.particles, &points));

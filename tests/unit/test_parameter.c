@@ -205,7 +205,7 @@ START_TEST(material)
   UNIT_CALL(PetscOptionsInsertString(NULL, "-mpm_material_a_type neo_hookean -mpm_material_a_E 10 "
                                            "-mpm_material_a_nu 0.25"));
   UNIT_CALL(MpmMaterialCreate(&block, "a", 2, &rubber));
-  ck_assert_double_eq(rubber.stiffness, 12.);
+  ck_assert_double_eq(rubber.moduli.stiffness, 12.);
   ck_assert_double_eq(MpmMaterialStiffness(&rubber, NULL, NULL, NULL), 12.);
   ck_assert_double_eq(MpmMaterialStiffness(&rubber, NULL, NULL, stretched), 4. + 2. * 4. * 4.);
   ck_assert_int_eq(MpmMaterialSensitivity(&rubber, &input, &along, &value, &derivative), 0);

@@ -85,8 +85,8 @@ static void Compare(PetscInt dim, PetscInt shape, PetscBool fbar, const char *mo
     SCENE_CALL(Create(&the, &model[k]));
     SCENE_CALL(SceneRun(model[k]));
   }
-  ck_assert_int_eq(model[2]->disc.parts, 2);
-  ck_assert_int_eq(model[0]->disc.parts, 1);
+  ck_assert_int_eq(model[2]->disc.material.parts, 2);
+  ck_assert_int_eq(model[0]->disc.material.parts, 1);
   ck_assert_int_eq(MpmParticlesHaveField(model[0]->state.particles, "part"), PETSC_FALSE);
   CompareField(name, model[2], model, "position", dim);
   CompareField(name, model[2], model, "stress", dim == 2 ? 4 : 6);

@@ -78,20 +78,20 @@ static void Take(const MpmMaterial *ground, PetscInt dim, const MpmPhysics *phys
   at->own_n[0]    = ground->physics_parameter[POROSITY];
   for (PetscInt a = 0; a < dim; a++) at->gravity[a] = Random(-1., 1.);
   MpmMaterialStateAtRest(ground, dim, at->state_n);
-  *point = (MpmKernelPoint){.parameter         = ground->parameter,
-                            .physics_parameter = ground->physics_parameter,
-                            .state_n           = at->state_n,
-                            .F_n               = at->F_n,
-                            .value_n           = &at->value_n,
-                            .deviation_n       = &at->deviation_n,
-                            .gravity           = at->gravity,
-                            .info              = &ground->info,
-                            .own_n             = at->own_n,
-                            .volume0           = 0.7,
-                            .dt                = 0.3,
-                            .traits            = ground->info.traits,
-                            .law               = ground->law,
-                            .table             = ground->table};
+  *point = (MpmKernelPoint){.material.parameter = ground->parameter,
+                            .physics_parameter  = ground->physics_parameter,
+                            .state_n            = at->state_n,
+                            .F_n                = at->F_n,
+                            .value_n            = &at->value_n,
+                            .deviation_n        = &at->deviation_n,
+                            .gravity            = at->gravity,
+                            .material.info      = &ground->info,
+                            .own_n              = at->own_n,
+                            .volume0            = 0.7,
+                            .dt                 = 0.3,
+                            .material.traits    = ground->info.traits,
+                            .material.law       = ground->law,
+                            .material.table     = ground->table};
   at->stage =
     (MpmKernelStage){.F = at->F_1, .value = &at->value_1, .deviation = &at->deviation_1, .theta = 0.4, .span = 0.3};
 }
@@ -213,7 +213,7 @@ START_TEST(axes_and_gravity)
     Ground(dim, elastic, each, &ground);
     Take(&ground, dim, &physics, 0., &at);
     AtRest(&at);
-    at.point.F = at.F, at.point.stress = at.stress, at.point.own = at.own, at.point.state = at.state;
+    at.point.end.F = at.F, at.point.end.stress = at.stress, at.point.end.own = at.own, at.point.end.state = at.state;
     for (PetscInt a = 0; a < dim; a++) {
       at.gravity[a]            = (double)a - 0.5;
       input[dim * dim + 1 + a] = 1. + (double)a;

@@ -61,7 +61,7 @@ static const char *const scenes[] = {BLOCKS_2D COMMON DRY "-mpm_stabilization_fb
                                      BLOCKS_2D COMMON DRY "-mpm_stabilization_fbar true ", BLOCKS_2D COMMON WET,
                                      BLOCKS_3D COMMON WET};
 
-/* A step with the scene's integrator, up to Newton; local unknowns at random in disc.u. */
+/* A step with the scene's integrator, up to Newton; local unknowns at random in disc.nodal.u. */
 static PetscErrorCode Begin(MpmModel model)
 {
   PetscReal  amplitude[MPM_MAX_BLOCK];
@@ -86,10 +86,11 @@ static PetscErrorCode Assemble(MpmModel model, PetscInt k, Mat *mat)
 
   PetscFunctionBeginUser;
   plain.scaled = PETSC_FALSE;
-  PetscCall(MatDuplicate(model->solver.jacobian, MAT_DO_NOT_COPY_VALUES, mat));
-  PetscCall(MpmPatternBegin(disc->pattern, disc->space, &plain, *mat));
-  PetscCall(disc->terms->term[k]->tangent(disc->terms->ctx[k], disc->sum, disc->u, disc->pattern, NULL, &failed));
-  PetscCall(MpmPatternEnd(disc->pattern, disc->space, *mat));
+  PetscCall(MatDuplicate(model->solver.jacobian.assembled, MAT_DO_NOT_COPY_VALUES, mat));
+  PetscCall(MpmPatternBegin(disc->matrix.pattern, disc->space, &plain, *mat));
+  PetscCall(
+    disc->terms->term[k]->tangent(disc->terms->ctx[k], disc->sum, disc->nodal.u, disc->matrix.pattern, NULL, &failed));
+  PetscCall(MpmPatternEnd(disc->matrix.pattern, disc->space, *mat));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -136,11 +137,11 @@ static PetscErrorCode Apply(MpmModel model, PetscInt k, const PetscReal v[], Pet
 
   PetscFunctionBeginUser;
   if (!disc->terms->term[k]->points) {
-    PetscCall(MpmTermsApplyOne(disc->terms, k, disc->sum, disc->u, v, y));
+    PetscCall(MpmTermsApplyOne(disc->terms, k, disc->sum, disc->nodal.u, v, y));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmActionCreate(disc->terms, disc->sum, PETSC_FALSE, &action));
-  PetscCall(MpmActionSetState(&action, disc->u, &failed));
+  PetscCall(MpmActionSetState(&action, disc->nodal.u, &failed));
   for (PetscInt unit = 0; unit < MpmUnitCount(disc->sum); unit++)
     PetscCall(MpmActionApplyUnit(&action, unit, v, y, &failed));
   PetscCall(MpmActionDestroy(&action));
@@ -157,7 +158,7 @@ static PetscErrorCode Diagonal(MpmModel model, PetscInt k, Mat mat, PetscReal *o
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1((disc->space->local * bs * bs), &blocks));
-  PetscCall(MpmTermsDiagonalOne(disc->terms, k, disc->sum, disc->u, blocks, &failed));
+  PetscCall(MpmTermsDiagonalOne(disc->terms, k, disc->sum, disc->nodal.u, blocks, &failed));
   PetscCall(MpmSpaceAddToOwners(disc->space, bs * bs, blocks));
   for (PetscInt i = 0; i < disc->space->owned; i++) {
     PetscInt    rows[MPM_MAX_BLOCK];
@@ -179,7 +180,7 @@ static PetscErrorCode Diagonal(MpmModel model, PetscInt k, Mat mat, PetscReal *o
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* 1/2 u . (r(u) + r(0)) at disc.u + part v. */
+/* 1/2 u . (r(u) + r(0)) at disc.nodal.u + part v. */
 static PetscErrorCode Energy(MpmModel model, PetscInt k, PetscReal part, const PetscReal v[], PetscReal *energy)
 {
   const MpmDiscretization *disc   = &model->disc;
@@ -190,7 +191,7 @@ static PetscErrorCode Energy(MpmModel model, PetscInt k, PetscReal part, const P
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc2(count, &u, count, &force));
   PetscCall(disc->terms->term[k]->residual(disc->terms->ctx[k], disc->sum, u, force, &failed));
-  for (PetscInt i = 0; i < count; i++) u[i] = disc->u[i] + part * v[i];
+  for (PetscInt i = 0; i < count; i++) u[i] = disc->nodal.u[i] + part * v[i];
   PetscCall(disc->terms->term[k]->residual(disc->terms->ctx[k], disc->sum, u, force, &failed));
   *energy = 0.;
   for (PetscInt i = 0; i < count; i++) *energy += 0.5 * u[i] * force[i];
@@ -211,7 +212,7 @@ static PetscErrorCode Gradient(MpmModel model, PetscInt k, const PetscReal v[], 
   PetscCall(Energy(model, k, -1., v, &energy[0]));
   PetscCall(Energy(model, k, 1., v, &energy[1]));
   PetscCall(PetscCalloc1(count, &force));
-  PetscCall(disc->terms->term[k]->residual(disc->terms->ctx[k], disc->sum, disc->u, force, &failed));
+  PetscCall(disc->terms->term[k]->residual(disc->terms->ctx[k], disc->sum, disc->nodal.u, force, &failed));
   for (PetscInt i = 0; i < count; i++) {
     sums[0] += force[i] * v[i];
     sums[1] += PetscAbsReal(force[i] * v[i]);
@@ -246,7 +247,7 @@ static PetscErrorCode Look(MpmModel model, PetscInt k, PetscInt scene, PetscBool
   PetscCall(MatMult(mat, x, z));
   PetscCall(Off(model, y, z, &off[0]));
   PetscCall(PetscArrayzero(y, count));
-  PetscCall(MpmTermsTransposeOne(disc->terms, k, disc->sum, disc->u, v, y));
+  PetscCall(MpmTermsTransposeOne(disc->terms, k, disc->sum, disc->nodal.u, v, y));
   PetscCall(MatMultTranspose(mat, x, z));
   PetscCall(Off(model, y, z, &off[1]));
   PetscCall(Diagonal(model, k, mat, &off[2]));

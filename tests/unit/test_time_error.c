@@ -18,20 +18,20 @@ static PetscErrorCode Estimate(MpmModel model, PetscReal *estimate)
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&sdirk));
-  PetscCall(PetscMalloc4((count * size), &sdirk->F, count, &sdirk->value, (count * model->disc.layout->deviations),
+  PetscCall(PetscMalloc4((count * size), &sdirk->F, count, &sdirk->value, (count * model->disc.layout->deviation.count),
                          &sdirk->deviation, (count + 1), &sdirk->stage));
   PetscCall(PetscArrayzero(sdirk->value, count));
-  PetscCall(PetscArrayzero(sdirk->deviation, count * model->disc.layout->deviations));
+  PetscCall(PetscArrayzero(sdirk->deviation, count * model->disc.layout->deviation.count));
   for (PetscInt p = 0; p < count; p++) {
     for (PetscInt k = 0; k < size; k++) sdirk->F[p * size + k] = k % (dim + 1) ? 0. : 1. + SWELLING;
     sdirk->stage[p] = (MpmKernelStage){.F         = &sdirk->F[p * size],
                                        .value     = &sdirk->value[p],
-                                       .deviation = &sdirk->deviation[p * model->disc.layout->deviations],
+                                       .deviation = &sdirk->deviation[p * model->disc.layout->deviation.count],
                                        .span      = 0.25};
   }
   model->state.scheme.sdirk   = sdirk;
   model->state.scheme.largest = SWELLING;
-  PetscCall(PetscArrayzero(model->disc.u, model->disc.space->local * model->disc.block));
+  PetscCall(PetscArrayzero(model->disc.nodal.u, model->disc.space->local * model->disc.block));
   PetscCall(MpmTimeError(model, estimate));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -39,7 +39,7 @@ MPM_FN void Diffuse(const MpmKernelPoint *point, const Tensor *dF, Scalar J, con
 
 static int ToyKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
 {
-  const Lame   lame   = LameFromParameters(point->parameter);
+  const Lame   lame   = LameFromParameters(point->material.parameter);
   const Tensor dF     = TensorFromGradient(input);
   const Tensor F      = TensorMulArray(&dF, point->F_n);
   const Sym    b      = SymLeftCauchyGreen(&F);
@@ -55,11 +55,11 @@ static int ToyKernel(const MpmKernelPoint *point, const Scalar input[], Scalar f
   for (int k = 0; k < SOLID_INPUTS; k++) flux[k] = P.a[k];
   flux[SOLID_INPUTS] = ScalarScale(point->volume0 / point->dt, ScalarShift(c, -point->value_n[0]));
   Diffuse(point, &dF, J, &input[SOLID_INPUTS + 1], &flux[SOLID_INPUTS + 1]);
-  if (point->F) {
+  if (point->end.F) {
     const Sym sigma = SymScaleBy(1. / ScalarValue(J), &tau);
 
-    TensorStore(point->F, &F);
-    SymStore(point->stress, &sigma);
+    TensorStore(point->end.F, &F);
+    SymStore(point->end.stress, &sigma);
   }
   return 0;
 }

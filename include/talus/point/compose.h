@@ -21,9 +21,9 @@ MPM_FN double LawTime(const MpmKernelPoint *point)
 /* The Kirchhoff stress at dF. Non-zero where the law has no answer. */
 MPM_FN int LawStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 {
-  const MpmLawPoint law_point    = {point->parameter, point->state_n, point->state,
-                                    point->F_n,       LawTime(point), point->table};
-  const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))point->law[MPM_KERNEL_FORM];
+  const MpmLawPoint law_point = {
+    point->material.parameter, point->state_n, point->end.state, point->F_n, LawTime(point), point->material.table};
+  const MPM_INSTANCE(MpmLaw) law = (MPM_INSTANCE(MpmLaw))point->material.law[MPM_KERNEL_FORM];
 
   return law(&law_point, dF, tau);
 }
@@ -50,11 +50,11 @@ typedef int (*LawTangent)(const MpmLawPoint *point, const LawTensor *dF, LawSym 
 
 MPM_FN int LawStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
 {
-  const MpmLawPoint law_point = {point->parameter, point->state_n, point->state,
-                                 point->F_n,       LawTime(point), point->table};
-  const LawTangent  law       = (LawTangent)point->law[MPM_FORM_TANGENT];
-  LawTensor         seeded    = {{{{0.}, {0.}}}};
-  LawSym            answer;
+  const MpmLawPoint law_point = {
+    point->material.parameter, point->state_n, point->end.state, point->F_n, LawTime(point), point->material.table};
+  const LawTangent law    = (LawTangent)point->material.law[MPM_FORM_TANGENT];
+  LawTensor        seeded = {{{{0.}, {0.}}}};
+  LawSym           answer;
 
   for (int k = 0; k < LAW_DIRECTIONS; k++) {
     for (int lane = 0; lane < LAW_LANE; lane++) seeded.a[k].v[lane] = ScalarValue(dF->a[k]);

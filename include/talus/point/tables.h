@@ -232,33 +232,40 @@ typedef struct {
   double        span; /* s, from the step's start to its end, what laws take for the step's length */
 } MpmKernelStage;
 
-/*
-  Data of one point for a physics kernel. The last four are destinations of the step's end; NULL in Jacobians, and in
-  residuals with one in the same pass.
-*/
+/* The material of a point, as a physics kernel takes it. */
 typedef struct {
-  const double *parameter;         /* of the point's material */
-  const double *physics_parameter; /* of the physics, for that material: in the order of its parameter table */
-  const double *state_n;           /* history at the step's start */
-  const double *F_n;               /* deformation gradient at the step's start, MpmKinematicsF() components */
-  const double *value_n;           /* values at the step's start of the fields with a rate, in field order */
+  const MpmLawInfo  *info;
+  const double      *parameter; /* of the law, in force at the point */
+  const MpmLawTable *table;
+  const MpmFunction *law;       /* by MpmForm */
+  unsigned           traits;    /* of the law, MpmLawTrait */
+  MpmDilatancy       dilatancy; /* where the mean over the cell is to leave dilation to the points; or NULL */
+} MpmKernelMaterial;
+
+/* Destinations of a point's state at the step's end. */
+typedef struct {
+  double *state; /* history */
+  double *own;   /* states of the physics' own */
+  double *F;
+  double *stress; /* Cauchy, Pa */
+} MpmKernelEnd;
+
+/* Data of one point for a physics kernel. `end` has NULL in Jacobians, and in residuals with one in the same pass. */
+typedef struct {
+  MpmKernelMaterial material;
+  const double     *physics_parameter; /* of the physics, for that material: in the order of its parameter table */
+  const double     *state_n;           /* history at the step's start */
+  const double     *F_n;               /* deformation gradient at the step's start, MpmKinematicsF() components */
+  const double     *value_n;           /* values at the step's start of the fields with a rate, in field order */
   const double *deviation_n;   /* the deviations there, field by field, of what the points' values make at the nodes */
+  const double *own_n;         /* states of the physics' own there, or NULL */
+  const double *stress_n;      /* Cauchy stress there, in a stage without motion, where the law is not asked; or NULL */
   const double *gravity;       /* at the step's end, m/s2, `dim` components */
   const double *cell;          /* the grid's cell, m, `dim` components; or NULL */
-  const MpmLawInfo     *info;  /* of the point's material */
   const MpmKernelStage *stage; /* the first one, in the second of two; or NULL */
-  const double         *own_n; /* states of the physics' own at the step's start, or NULL */
-  const double      *stress_n; /* Cauchy stress there, in a stage without motion, where the law is not asked; or NULL */
-  double             volume0;  /* initial volume, m3 (2D: m2 per metre of thickness) */
-  double             dt;       /* s */
-  unsigned           traits;   /* of the law, MpmLawTrait */
-  const MpmFunction *law;      /* the material's law, by MpmForm */
-  const MpmLawTable *table;    /* of the point's material */
-  MpmDilatancy dilatancy; /* of the law, where the mean over the cell is to leave dilation to the points; or NULL */
-  double      *state;     /* history at the step's end */
-  double      *own;       /* states of the physics' own */
-  double      *F;
-  double      *stress; /* Cauchy, Pa */
+  double                volume0; /* initial volume, m3 (2D: m2 per metre of thickness) */
+  double                dt;      /* s */
+  MpmKernelEnd          end;
 } MpmKernelPoint;
 
 /*
