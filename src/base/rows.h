@@ -4,23 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-
-typedef enum { MPM_ROW_REAL, MPM_ROW_INT, MPM_ROW_INT64, MPM_ROW_BOOL } MpmRowKind;
-
-typedef enum {
-  MPM_ROW_RUN,  /* account or setting of the run, which goes on where steps are taken back */
-  MPM_ROW_STATE /* state at a time, which returns with the points */
-} MpmRowUse;
-
-/* A number or an array of numbers of one kind: PetscReal, PetscInt, PetscInt64 or PetscBool. */
-typedef struct {
-  const char *name; /* in checkpoints, unchanged from version to version */
-  MpmRowKind  kind;
-  MpmRowUse   use;
-  void       *address; /* fixed while the rows live */
-  PetscInt    count; /* length of an array, whose numbers are <name>_<first>, <name>_<first + 1>, ...; 0: one number */
-  PetscInt    first;
-} MpmRow;
+#include "talus/parts.h"
 
 typedef struct MpmRows {
   PetscInt count;

@@ -7,6 +7,7 @@
 /* base, options, geometry */
 typedef struct MpmOutcome    MpmOutcome;
 typedef struct MpmRows       MpmRows;
+typedef struct MpmColumns    MpmColumns;
 typedef struct MpmDatabase   MpmDatabase;
 typedef struct MpmOptions    MpmOptions;
 typedef struct _p_MpmRecord *MpmRecord;

@@ -164,12 +164,12 @@ static PetscErrorCode MarkResults(MpmModel model, Beside *beside)
   PetscCall(MpmHistoryMark(model->results->history, &place));
   PetscCall(MpmTextFileAppend(&beside->history, "%lld %lld\n", (long long)place.length, (long long)place.hash));
   PetscCall(MpmLinesMark(model, &beside->history));
-  if (!MpmOutputStarted(model->results->output)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmOutputStarted(model->results->states.file)) PetscFunctionReturn(PETSC_SUCCESS);
   {
     const char        *h5;
     const MpmTextFile *index, *grid_index;
 
-    PetscCall(MpmOutputGetFiles(model->results->output, &h5, &index, &grid_index));
+    PetscCall(MpmOutputGetFiles(model->results->states.file, &h5, &index, &grid_index));
     PetscCall(MpmMarkSet(model->comm, h5, &beside->results));
     if (!model->rank && index->length) PetscCall(MpmTextFileAppend(&beside->index, "%s", index->data));
     if (!model->rank && grid_index->length) PetscCall(MpmTextFileAppend(&beside->grid_index, "%s", grid_index->data));

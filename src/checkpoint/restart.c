@@ -430,12 +430,12 @@ PetscErrorCode MpmRestartOutput(MpmModel model, PetscBool apply)
   PetscBool          there;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOutputGetFiles(model->results->output, &h5, &index, &grid_index));
+  PetscCall(MpmOutputGetFiles(model->results->states.file, &h5, &index, &grid_index));
   PetscCall(MpmMarkReturn(model->comm, h5, &restart->results, apply, &there, &outcome));
   MpmCheckInput(!outcome.code,
                 "-mpm_restart %s: %s cannot be continued: %s; move it away or choose another -mpm_output_prefix",
                 restart->path, h5, outcome.text);
   if (there && apply)
-    PetscCall(MpmOutputContinue(model->results->output, restart->index.data, restart->grid_index.data));
+    PetscCall(MpmOutputContinue(model->results->states.file, restart->index.data, restart->grid_index.data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -18,6 +18,7 @@
   more. For a layer under a sudden load U is Terzaghi's average degree, whatever the first step. A stage does not end
   before its loads and conditions have the values of its end.
 */
+#include "base/columns.h"
 #include "geometry/geometry.h"
 #include "point/layout.h"
 #include "point/material.h"
@@ -225,6 +226,23 @@ static PetscErrorCode FindSteady(MpmModel model, PetscReal *most, MpmOutcome *ou
     *most = PetscMax(*most, excess);
   }
   PetscCall(PetscFree(pressure));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillDegree(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  (void)column;
+  PetscFunctionBeginUser;
+  values[0] = model->state.scheme.water.degree;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmConsolidationAddColumns(MpmModel model, MpmColumns *columns)
+{
+  const MpmColumn row = {.name = "consolidation", .unit = "-", .fill = FillDegree};
+
+  PetscFunctionBeginUser;
+  if (MpmStagesConsolidate(model)) PetscCall(MpmColumnsAdd(columns, NULL, &row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

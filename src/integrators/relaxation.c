@@ -39,6 +39,7 @@
   (1983), Dynamic relaxation, in: Belytschko, Hughes (eds.), Computational Methods for Transient Analysis, 245-265
   (masses).
 */
+#include "base/columns.h"
 #include "geometry/geometry.h"
 #include "particles/body.h"
 #include "particles/particles.h"
@@ -371,6 +372,28 @@ PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
                              "%" PetscInt_FMT " reset%s",
                              (double)End(model), (double)relaxation->tolerance, (double)relaxing->first,
                              (double)relaxing->since, relaxing->resets, relaxing->resets == 1 ? "" : "s"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillCriteria(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  const MpmRelaxing *relaxing = &model->state.relaxing;
+
+  (void)column;
+  PetscFunctionBeginUser;
+  values[0] = relaxing->force;
+  values[1] = relaxing->energy;
+  values[2] = (PetscReal)relaxing->resets;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRelaxationAddColumns(MpmModel model, MpmColumns *columns)
+{
+  static const char *const parts[] = {"K_F", "K_E", "resets"};
+  const MpmColumn row = {.unit = "-", .count = PETSC_STATIC_ARRAY_LENGTH(parts), .parts = parts, .fill = FillCriteria};
+
+  PetscFunctionBeginUser;
+  if (MpmStagesRelax(model)) PetscCall(MpmColumnsAdd(columns, NULL, &row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -23,5 +23,7 @@ PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped);
 PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[]);
 /* Rows of the state (base/rows.h). */
 PetscErrorCode MpmRelaxationAddRows(MpmModel model);
+/* Columns of the criteria, where a stage relaxes. */
+PetscErrorCode MpmRelaxationAddColumns(MpmModel model, MpmColumns *columns);
 /* After a step. Failure: the stage's time is over and nothing is at rest. */
 PetscErrorCode MpmRelaxationOver(MpmModel model, MpmOutcome *outcome);

@@ -4,11 +4,13 @@
   A step that fails is halved and tried again, and steps grow back; each step that converged is a row. All ranks do the
   same, rank 0 writes.
 */
+#include "base/columns.h"
 #include "options/options.h"
 #include "point/material.h"
 #include "point/point_path.h"
 #include "point/stress_point.h"
 #include "query/model.h"
+#include "observe/history.h"
 #include "observe/results.h"
 #include "observe/signals.h"
 #include "model/laboratory.h"
@@ -160,73 +162,74 @@ static PetscErrorCode Describe(MpmModel model, size_t length, char text[])
 
 /* ---- history ---- */
 
-static PetscErrorCode AppendNames(const char *stem, PetscInt components, PetscInt *count, char **names)
+static PetscErrorCode FillLoad(MpmModel model, const MpmColumn *column, PetscReal values[])
 {
+  (void)column;
   PetscFunctionBeginUser;
-  for (PetscInt s = 0; s < components; s++) {
-    names[*count] = NULL;
-    PetscCall(
-      MpmTextAppend(&names[*count], "%s%s%s", stem, components > 1 ? "_" : "", components > 1 ? component[s] : ""));
-    ++*count;
-  }
+  values[0] = model->state.time / model->state.run_end;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CreateHistory(MpmModel model)
+static PetscErrorCode FillStrain(MpmModel model, const MpmColumn *column, PetscReal values[])
 {
-  static const char *const first[]  = {"step", "time", "dt", "newton", "linear", "cuts", "load"};
-  static const char *const then[]   = {"p", "q", "eps_v", "eps_q"};
-  const MpmOptions         options  = {model->comm, "mpm_", model->record};
-  const MpmMaterial       *material = &model->scene.materials->at[model->laboratory->material];
-  const PetscInt firsts = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(first), thens = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(then),
-                 columns = firsts + 2 * MPM_SPACE_SYM + thens + material->state_size;
-  PetscInt count         = 0;
-  char   **names, path[PETSC_MAX_PATH_LEN];
-
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(columns, &names));
-  for (PetscInt k = 0; k < firsts; k++) PetscCall(AppendNames(first[k], 1, &count, names));
-  PetscCall(AppendNames("strain", MPM_SPACE_SYM, &count, names));
-  PetscCall(AppendNames("stress", MPM_SPACE_SYM, &count, names));
-  for (PetscInt k = 0; k < thens; k++) PetscCall(AppendNames(then[k], 1, &count, names));
-  for (size_t v = 0; v < material->info.state_count; v++)
-    PetscCall(AppendNames(material->info.states[v].name,
-                          MpmStateComponents(&material->info.states[v], model->laboratory->dim), &count, names));
-  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_history.csv", model->scene.prefix));
-  PetscCall(MpmHistoryCreate(model->comm, path, columns, (const char *const *)names, &model->results->history));
-  PetscCall(MpmNamesDestroy(columns, &names));
-  PetscCall(PetscMalloc1(columns, &model->results->history_row));
-  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_options.yaml", model->scene.prefix));
-  PetscCall(MpmOptionsWriteYAML(&options, path));
+  PetscCall(PetscArraycpy(values, model->laboratory->point.now.strain, column->count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteHistory(MpmModel model, PetscReal dt)
+static PetscErrorCode FillStress(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscArraycpy(values, model->laboratory->point.now.stress, column->count));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillInvariants(MpmModel model, const MpmColumn *column, PetscReal values[])
 {
   const MpmLaboratory *laboratory = model->laboratory;
   const MpmPointState *now        = &laboratory->point.now;
-  PetscReal           *row        = model->results->history_row;
-  PetscInt             k          = 0;
-  PetscLogDouble       since;
+
+  (void)column;
+  PetscFunctionBeginUser;
+  values[0] = (now->stress[0] + now->stress[1] + now->stress[2]) / 3.;
+  values[1] = MpmDeviatorSize(now->stress);
+  values[2] = MpmVolumeStrain(laboratory->strain_measure, now->F);
+  values[3] = 2. / 3. * MpmDeviatorSize(now->strain);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A history variable, from its place in the point's history on. */
+static PetscErrorCode FillVariable(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(
+    PetscArraycpy(values, &model->laboratory->point.now.history[column->index], column->count ? column->count : 1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AddColumns(MpmModel model, MpmColumns *columns)
+{
+  static const char *const invariants[] = {"p", "q", "eps_v", "eps_q"};
+  const MpmLawInfo        *info         = &model->scene.materials->at[model->laboratory->material].info;
+  const MpmColumn          rows[]       = {
+                   {"load", "-", 0, NULL, FillLoad, NULL, 0},
+                   {"strain", "-", MPM_SPACE_SYM, component, FillStrain, NULL, 0},
+                   {"stress", "Pa", MPM_SPACE_SYM, component, FillStress, NULL, 0},
+                   {NULL, "Pa, strains -", PETSC_STATIC_ARRAY_LENGTH(invariants), invariants, FillInvariants, NULL, 0},
+  };
+  PetscInt first = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
-  row[k++] = (PetscReal)model->state.step;
-  row[k++] = model->state.time;
-  row[k++] = dt;
-  row[k++] = (PetscReal)laboratory->point.equations.newton;
-  row[k++] = (PetscReal)laboratory->point.equations.linear;
-  row[k++] = (PetscReal)model->state.cuts;
-  row[k++] = model->state.time / model->state.run_end;
-  for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) row[k++] = now->strain[s];
-  for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) row[k++] = now->stress[s];
-  row[k++] = (now->stress[0] + now->stress[1] + now->stress[2]) / 3.;
-  row[k++] = MpmDeviatorSize(now->stress);
-  row[k++] = MpmVolumeStrain(laboratory->strain_measure, now->F);
-  row[k++] = 2. / 3. * MpmDeviatorSize(now->strain);
-  for (PetscInt s = 0; s < laboratory->point.material->state_size; s++) row[k++] = now->history[s];
-  PetscCall(MpmHistoryAppend(model->results->history, row));
-  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
+  PetscCall(MpmStepAddColumns(model, columns));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(rows); k++) PetscCall(MpmColumnsAdd(columns, NULL, &rows[k]));
+  for (size_t v = 0; v < info->state_count; v++) {
+    const PetscInt  size = MpmStateComponents(&info->states[v], model->laboratory->dim);
+    const MpmColumn row  = {
+       info->states[v].name, info->states[v].unit, size > 1 ? size : 0, component, FillVariable, NULL, first};
+
+    PetscCall(MpmColumnsAdd(columns, NULL, &row));
+    first += size;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -295,7 +298,7 @@ static PetscErrorCode FollowRow(MpmModel model, PetscInt row, PetscBool *interru
     while (model->state.time < target) {
       PetscCall(Advance(model, target, nominal, &dt));
       if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS);
-      PetscCall(WriteHistory(model, dt));
+      PetscCall(MpmModelWriteHistory(model, dt));
       PetscCall(MpmTerminalStep(model, dt));
       PetscCall(IsInterrupted(model, interrupted));
       if (*interrupted) PetscFunctionReturn(PETSC_SUCCESS);
@@ -316,7 +319,8 @@ PetscErrorCode MpmLaboratoryRun(MpmModel model, int *status)
   model->laboratory->fraction = 1.;
   PetscCall(Describe(model, sizeof(text), text));
   PetscCall(MpmTerminalBegin(model, text));
-  PetscCall(CreateHistory(model));
+  PetscCall(AddColumns(model, &model->results->columns));
+  PetscCall(MpmHistoryOpen(model));
   for (PetscInt row = 0; row + 1 < model->laboratory->path.rows && !outcome->code && !interrupted; row++)
     PetscCall(FollowRow(model, row, &interrupted));
   if (outcome->code)

@@ -232,25 +232,17 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   if (model->state.particles->swarm) PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmLaboratoryDestroy(&model->laboratory));
   PetscCall(MpmSolverDestroy(&model->solver));
-  PetscCall(MpmLinesDestroy(model));
   PetscCall(MpmDiscretizationDestroy(&model->disc));
-  PetscCall(PetscFree(model->results->history_row));
+  PetscCall(MpmResultsDestroy(model));
   PetscCall(MpmCheckpointDestroy(&model->results->checkpoint));
-  PetscCall(MpmOutputDestroy(&model->results->output));
-  PetscCall(MpmHistoryDestroy(&model->results->history));
   PetscCall(MpmGridDestroy(model->disc.grid));
   PetscCall(PetscFree(model->disc.grid));
   PetscCall(PetscFree(model->disc.layout));
-  for (PetscInt k = 0; model->results->tracks.at && k < model->results->tracks.count; k++)
-    PetscCall(MpmTrackDestroy(&model->results->tracks.at[k]));
-  PetscCall(PetscFree(model->results->tracks.at));
   PetscCall(MpmSdirkDestroy(&model->state.scheme.sdirk));
   PetscCall(MpmDynamicsDestroy(&model->state.scheme.dynamics));
   PetscCall(MpmStagesDestroy(model));
   PetscCall(MpmStateDestroy(&model->state));
   PetscCall(DestroyScene(&model->scene));
-  PetscCall(MpmNamesDestroy(model->results->tracks.count, &model->results->tracks.names));
-  PetscCall(MpmNamesDestroy(model->results->output_field_count, &model->results->output_fields));
   PetscCall(MpmRecordDestroy(&model->record));
   PetscCall(MpmDatabaseDestroy(&model->database));
   PetscCall(PetscFree(model->caller.prefix));
@@ -375,11 +367,11 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   char            *view;
 
   PetscFunctionBeginUser;
-  model->results->output_every  = 1;
+  model->results->states.every  = 1;
   model->results->history_every = 1;
   PetscCall(ReadPrefix(model, options, &block));
   PetscCall(MpmOptionsInt(&block, "every", "steps between written states; 0: none but the history and the summary", 0,
-                          PETSC_INT_MAX, MPM_OPTIONAL, &model->results->output_every, NULL));
+                          PETSC_INT_MAX, MPM_OPTIONAL, &model->results->states.every, NULL));
   PetscCall(MpmOptionsInt(&block, "history", "steps between rows of the history; the last step always has one", 1,
                           PETSC_INT_MAX, MPM_OPTIONAL, &model->results->history_every, NULL));
   PetscCall(MpmOutputSetFromOptions(model, &block));

@@ -10,6 +10,7 @@
 #include "schedule/geostatic.h"
 #include "schedule/schedule.h"
 #include "schedule/stage.h"
+#include "observe/history.h"
 #include "observe/lines.h"
 #include "observe/results.h"
 #include "checkpoint/checkpoint.h"
@@ -109,7 +110,7 @@ static PetscBool IsDue(const MpmModel model)
 {
   const MpmResults *results = model->results;
 
-  return (PetscBool)(results->output_every && model->state.step % results->output_every == 0);
+  return (PetscBool)(results->states.every && model->state.step % results->states.every == 0);
 }
 
 /* True where the state waits until the run's last stage has been finished. */
@@ -142,18 +143,19 @@ static PetscErrorCode WriteDue(MpmModel model)
 static PetscErrorCode OpenResults(MpmModel model)
 {
   PetscFunctionBeginUser;
-  if (model->results->output_every) {
-    PetscCall(MpmOutputCreate(model->comm, model->scene.prefix, &model->results->output));
-    PetscCall(MpmOutputSetSingle(model->results->output, model->results->output_single));
+  if (model->results->states.every) {
+    PetscCall(MpmOutputCreate(model->comm, model->scene.prefix, &model->results->states.file));
+    PetscCall(MpmOutputSetSingle(model->results->states.file, model->results->states.single));
   }
-  if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_FALSE));
+  if (model->results->states.file && model->results->checkpoint.restart)
+    PetscCall(MpmRestartOutput(model, PETSC_FALSE));
   PetscCall(MpmModelCreateHistory(model));
-  if (model->results->output && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_TRUE));
+  if (model->results->states.file && model->results->checkpoint.restart) PetscCall(MpmRestartOutput(model, PETSC_TRUE));
   if (Waits(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->results->output && !MpmOutputStarted(model->results->output)) {
+  if (model->results->states.file && !MpmOutputStarted(model->results->states.file)) {
     PetscCall(MpmModelWriteState(model));
     PetscCall(WriteStep(model));
-  } else if (IsDue(model) && !AtEnd(model) && model->results->output_step != model->state.step)
+  } else if (IsDue(model) && !AtEnd(model) && model->results->states.step != model->state.step)
     PetscCall(MpmModelWriteState(model)); /* of a run that has ended here, and goes on */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -196,9 +198,9 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
   if (!model->caller.outcome.code && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.outcome));
   why  = Reason(model);
   gone = model->state.particles->gone;
-  step = (PetscBool)(results->output && (!IsDue(model) || !MpmOutputStarted(results->output)));
+  step = (PetscBool)(results->states.file && (!IsDue(model) || !MpmOutputStarted(results->states.file)));
   if ((why || model->caller.stop) && !gone) PetscCall(MpmCheckpointWrite(model));
-  if (!interrupted && results->output_every && results->output_step != model->state.step && !gone) {
+  if (!interrupted && results->states.every && results->states.step != model->state.step && !gone) {
     PetscCall(MpmModelWriteState(model));
     if (step) PetscCall(WriteStep(model));
   }

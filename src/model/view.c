@@ -2,6 +2,7 @@
   -mpm_view: contents of a model, in PETSc's manner: the model itself, its grid, the space of the last step, and the
   solver's objects, which view themselves.
 */
+#include "base/columns.h"
 #include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
@@ -17,6 +18,7 @@
 #include "query/model.h"
 #include "query/query.h"
 #include "step/integrator.h"
+#include "observe/results.h"
 #include "model/build.h"
 
 static PetscErrorCode ViewScene(const MpmModel model, PetscViewer viewer)
@@ -99,6 +101,26 @@ static PetscErrorCode ViewSpace(const MpmModel model, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Fields of the points and columns of the history, with their units. */
+static PetscErrorCode ViewResults(const MpmModel model, PetscViewer viewer)
+{
+  const MpmPointColumns *fields  = &model->results->states.fields;
+  const MpmColumns      *columns = &model->results->columns;
+  PetscInt               name    = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Results\n"));
+  PetscCall(PetscViewerASCIIPushTab(viewer));
+  for (PetscInt k = 0; k < fields->count; k++)
+    PetscCall(PetscViewerASCIIPrintf(viewer, "field %s: %" PetscInt_FMT " components, %s\n", fields->at[k].name,
+                                     fields->at[k].components, fields->at[k].unit ? fields->at[k].unit : "-"));
+  for (PetscInt r = 0; r < columns->count; r++)
+    for (PetscInt k = 0; k < PetscMax(columns->at[r].count, 1); k++)
+      PetscCall(PetscViewerASCIIPrintf(viewer, "column %s: %s\n", columns->names[name++], columns->at[r].unit));
+  PetscCall(PetscViewerASCIIPopTab(viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModelView(MpmModel model, PetscViewer viewer)
 {
   PetscBool ascii;
@@ -110,6 +132,7 @@ PetscErrorCode MpmModelView(MpmModel model, PetscViewer viewer)
   PetscCall(ViewScene(model, viewer));
   PetscCall(ViewGrid(model, viewer));
   if (model->disc.space->global_count) PetscCall(ViewSpace(model, viewer));
+  PetscCall(ViewResults(model, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "Solver: %s, Jacobian %s\n", model->solver.preset.name,
                                    MpmJacobianTypes[model->solver.jacobian.form]));
   PetscCall(PetscViewerASCIIPushTab(viewer));

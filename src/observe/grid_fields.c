@@ -242,7 +242,7 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
     const MpmTable node_table = {WrittenCount(space), space->global, count, sets};
 
     PetscCall(
-      MpmOutputWriteGrid(model->results->output, model->state.step, model->state.time, &node_table, &cell_table));
+      MpmOutputWriteGrid(model->results->states.file, model->state.step, model->state.time, &node_table, &cell_table));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -273,7 +273,7 @@ PetscErrorCode MpmLatticeWrite(MpmModel model)
   }
   PetscCall(NodeArraysCreate(model, &arrays));
   PetscCall(CellsCreate(model->disc.space, model->disc.grid, &cells));
-  PetscCall(MpmOutputSetBehind(model->results->output, model->state.scheme.behind));
+  PetscCall(MpmOutputSetBehind(model->results->states.file, model->state.scheme.behind));
   PetscCall(WriteNodesAndCells(model, &arrays, &cells));
   PetscCall(PetscFree2(cells.id, cells.nodes));
   PetscCall(PetscFree6(arrays.position, arrays.mass, arrays.load, arrays.held, arrays.rank, arrays.part));

@@ -1,8 +1,10 @@
 /*
   Forces in cuts and stresses along lines: which columns and files they have.
 */
+#include "base/columns.h"
 #include "problem/section.h"
 #include "query/model.h"
+#include "observe/history.h"
 #include "observe/lines.h"
 #include "observe/profile.h"
 #include "observe/results.h"
@@ -70,48 +72,54 @@ PetscErrorCode MpmLinesSelect(MpmModel model)
 
 #define MOST_COLUMNS 16
 
-/* Forces and moments of a cut, and tractions; their numbers follow from the dimension. */
-static const char *const plane_forces[] = {"n", "v", "m"}, *const solid_forces[] = {"n", "v1", "v2", "t", "m1", "m2"};
-static const char *const plane_tractions[] = {"n", "t"}, *const solid_tractions[] = {"n", "t1", "t2"};
-static const char *const plane_stresses[] = {"xx", "yy", "zz", "xy"};
-static const char *const solid_stresses[] = {"xx", "yy", "zz", "xy", "yz", "xz"};
+/* Names by the dimension: forces and moments of a cut, tractions and stresses of a place. */
+static const struct {
+  const char *forces[6], *tractions[MPM_MAX_DIM], *stresses[6];
+} parts[] = {[2] = {{"n", "v", "m"}, {"n", "t"}, {"xx", "yy", "zz", "xy"}},
+             [3] = {{"n", "v1", "v2", "t", "m1", "m2"}, {"n", "t1", "t2"}, {"xx", "yy", "zz", "xy", "yz", "xz"}}};
 
-static PetscErrorCode AddNames(const char *first, const char *name, const char *const columns[], PetscInt number,
-                               char *names[], PetscInt *count)
+/* Components of force and moment. */
+static PetscInt ForceCount(PetscInt dim)
 {
-  PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < number; k++) {
-    char text[512];
-
-    PetscCall(PetscSNPrintf(text, sizeof(text), "%s%s%s%s", first, name, name[0] ? "_" : "", columns[k]));
-    PetscCall(PetscStrallocpy(text, &names[(*count)++]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode AddForceNames(PetscInt dim, const char *first, const char *name, char *names[], PetscInt *count)
-{
-  return AddNames(first, name, dim == 2 ? plane_forces : solid_forces, dim == 2 ? 3 : 6, names, count);
-}
-
-static PetscErrorCode AddTractionNames(PetscInt dim, const char *first, const char *name, char *names[],
-                                       PetscInt *count)
-{
-  return AddNames(first, name, dim == 2 ? plane_tractions : solid_tractions, dim, names, count);
+  return dim * (dim + 1) / 2;
 }
 
 static void AddForces(PetscInt dim, const MpmCut *cut, PetscReal row[], PetscInt *count)
 {
   for (PetscInt a = 0; a < dim; a++) row[(*count)++] = cut->force[a];
-  for (PetscInt a = 0; a < (dim == 2 ? 1 : 3); a++) row[(*count)++] = cut->moment[a];
+  for (PetscInt a = 0; a < ForceCount(dim) - dim; a++) row[(*count)++] = cut->moment[a];
 }
 
-PetscInt MpmLinesColumnCount(const MpmModel model)
+static PetscErrorCode FillSection(MpmModel model, const MpmColumn *column, PetscReal values[])
 {
-  return 6 * SectionCount(model) + MPM_MAX_DIM * model->results->lines.profile_count;
+  PetscInt count = 0;
+
+  PetscFunctionBeginUser;
+  AddForces(model->disc.dim, &model->disc.sections->at[column->index].cuts[0], values, &count);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmLinesAddColumns(const MpmModel model, char *names[], PetscInt *count)
+/* Means over the places in the material. */
+static PetscErrorCode FillProfile(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  MpmProfile    *profile          = &model->results->lines.profiles[column->index];
+  const PetscInt dim              = model->disc.dim;
+  PetscReal      sum[MPM_MAX_DIM] = {0.}, traction[MPM_MAX_DIM];
+  PetscInt       places           = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmProfileEvaluate(profile, model->disc.grid, model->state.particles));
+  for (PetscInt k = 0; k < profile->count; k++) {
+    MpmProfileTraction(profile, dim, k, traction);
+    if (PetscIsInfOrNanReal(traction[0])) continue;
+    for (PetscInt a = 0; a < dim; a++) sum[a] += traction[a];
+    places++;
+  }
+  for (PetscInt a = 0; a < dim; a++) values[a] = places ? sum[a] / (PetscReal)places : 0.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLinesAddColumns(MpmModel model, MpmColumns *columns)
 {
   const MpmLines *lines = &model->results->lines;
   const PetscInt  dim   = model->disc.dim;
@@ -119,55 +127,31 @@ PetscErrorCode MpmLinesAddColumns(const MpmModel model, char *names[], PetscInt 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < SectionCount(model); k++) {
     const MpmSection *section = &model->disc.sections->at[k];
+    const MpmColumn   row     = {"section", "N, moments N m", ForceCount(dim), parts[dim].forces, FillSection, NULL, k};
 
-    if (!IsRow(section)) PetscCall(AddForceNames(dim, "section_", section->name, names, count));
-  }
-  for (PetscInt k = 0; k < lines->profile_count; k++)
-    PetscCall(AddTractionNames(dim, "profile_", lines->profiles[k].name, names, count));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Means over the places in the material. */
-static void AddMeans(PetscInt dim, const MpmProfile *profile, PetscReal row[], PetscInt *count)
-{
-  PetscReal sum[MPM_MAX_DIM] = {0.}, traction[MPM_MAX_DIM];
-  PetscInt  places           = 0;
-
-  for (PetscInt k = 0; k < profile->count; k++) {
-    MpmProfileTraction(profile, dim, k, traction);
-    if (PetscIsInfOrNanReal(traction[0])) continue;
-    for (PetscInt a = 0; a < dim; a++) sum[a] += traction[a];
-    places++;
-  }
-  for (PetscInt a = 0; a < dim; a++) row[(*count)++] = places ? sum[a] / (PetscReal)places : 0.;
-}
-
-PetscErrorCode MpmLinesAddValues(MpmModel model, PetscReal row[], PetscInt *count)
-{
-  MpmLines      *lines = &model->results->lines;
-  const PetscInt dim   = model->disc.dim;
-
-  PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < SectionCount(model); k++) {
-    const MpmSection *section = &model->disc.sections->at[k];
-
-    if (!IsRow(section)) AddForces(dim, &section->cuts[0], row, count);
+    if (!IsRow(section)) PetscCall(MpmColumnsAdd(columns, section->name, &row));
   }
   for (PetscInt k = 0; k < lines->profile_count; k++) {
-    PetscCall(MpmProfileEvaluate(&lines->profiles[k], model->disc.grid, model->state.particles));
-    AddMeans(dim, &lines->profiles[k], row, count);
+    const MpmColumn row = {"profile", "Pa", dim, parts[dim].tractions, FillProfile, NULL, k};
+
+    PetscCall(MpmColumnsAdd(columns, lines->profiles[k].name, &row));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- files ---- */
 
-/* Step, time, distance and place, which all files have. */
-static PetscErrorCode AddPlaceNames(PetscInt dim, char *names[], PetscInt *count)
+/* Appends names of columns. */
+static void AddNames(PetscInt number, const char *const columns[], const char *names[], PetscInt *count)
 {
-  static const char *const columns[] = {"step", "time", "s", "x", "y", "z"};
+  for (PetscInt k = 0; k < number; k++) names[(*count)++] = columns[k];
+}
 
-  return AddNames("", "", columns, 3 + dim, names, count);
+/* Step, time, distance and place, which all files have. */
+static void AddPlaceNames(PetscInt dim, const char *names[], PetscInt *count)
+{
+  AddNames(3, (const char *const[]){"step", "time", "s"}, names, count);
+  AddNames(dim, MpmAxisParts, names, count);
 }
 
 static void AddPlace(const MpmModel model, PetscReal s, const PetscReal x[], PetscReal row[], PetscInt *count)
@@ -178,8 +162,9 @@ static void AddPlace(const MpmModel model, PetscReal s, const PetscReal x[], Pet
   for (PetscInt a = 0; a < model->disc.dim; a++) row[(*count)++] = x[a];
 }
 
-/* Opens the next file; the names are freed. */
-static PetscErrorCode OpenFile(MpmModel model, const char *kind, const char *name, PetscInt count, char **names)
+/* Opens the next file. */
+static PetscErrorCode OpenFile(MpmModel model, const char *kind, const char *name, PetscInt count,
+                               const char *const names[])
 {
   MpmLines   *lines = &model->results->lines;
   MpmHistory *file  = &lines->files[lines->file_count];
@@ -188,10 +173,9 @@ static PetscErrorCode OpenFile(MpmModel model, const char *kind, const char *nam
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s_%s_%s.csv", model->scene.prefix, kind, name));
   if (model->results->checkpoint.restart)
-    PetscCall(MpmHistoryResume(model, path, 1 + lines->file_count, count, (const char *const *)names, file));
-  else PetscCall(MpmHistoryCreate(model->comm, path, count, (const char *const *)names, file));
+    PetscCall(MpmHistoryResume(model, path, 1 + lines->file_count, count, names, file));
+  else PetscCall(MpmHistoryCreate(model->comm, path, count, names, file));
   lines->file_count++;
-  for (PetscInt k = 0; k < count; k++) PetscCall(PetscFree(names[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -199,7 +183,7 @@ PetscErrorCode MpmLinesOpen(MpmModel model)
 {
   MpmLines      *lines = &model->results->lines;
   const PetscInt dim   = model->disc.dim;
-  char          *names[MOST_COLUMNS];
+  const char    *names[MOST_COLUMNS];
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(MpmLinesFieldCount(model), &lines->files));
@@ -208,17 +192,17 @@ PetscErrorCode MpmLinesOpen(MpmModel model)
     PetscInt          count   = 0;
 
     if (!IsRow(section)) continue;
-    PetscCall(AddPlaceNames(dim, names, &count));
-    PetscCall(AddForceNames(dim, "", "", names, &count));
-    PetscCall(AddNames("", "", (const char *const[]){"area"}, 1, names, &count));
+    AddPlaceNames(dim, names, &count);
+    AddNames(ForceCount(dim), parts[dim].forces, names, &count);
+    names[count++] = "area";
     PetscCall(OpenFile(model, "section", section->name, count, names));
   }
   for (PetscInt k = 0; k < lines->profile_count; k++) {
     PetscInt count = 0;
 
-    PetscCall(AddPlaceNames(dim, names, &count));
-    PetscCall(AddTractionNames(dim, "", "", names, &count));
-    PetscCall(AddNames("", "", dim == 2 ? plane_stresses : solid_stresses, lines->profiles[k].size, names, &count));
+    AddPlaceNames(dim, names, &count);
+    AddNames(dim, parts[dim].tractions, names, &count);
+    AddNames(lines->profiles[k].size, parts[dim].stresses, names, &count);
     PetscCall(OpenFile(model, "profile", lines->profiles[k].name, count, names));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -25,10 +25,8 @@ PetscInt MpmLinesFieldCount(const MpmModel model);
 void     MpmLinesAddFields(const MpmModel model, const char *fields[], PetscInt *count);
 /* Finds their points, in the initial state. */
 PetscErrorCode MpmLinesSelect(MpmModel model);
-/* Columns of the history: their number and names, appended (allocated), and the numbers of the present state. */
-PetscInt       MpmLinesColumnCount(const MpmModel model);
-PetscErrorCode MpmLinesAddColumns(const MpmModel model, char *names[], PetscInt *count);
-PetscErrorCode MpmLinesAddValues(MpmModel model, PetscReal row[], PetscInt *count);
+/* Columns of the history: forces in single cuts, means of profiles. */
+PetscErrorCode MpmLinesAddColumns(MpmModel model, MpmColumns *columns);
 /* The files: opened, or taken up again where a run goes on; the rows of the present state; where they stand. */
 PetscErrorCode MpmLinesOpen(MpmModel model);
 PetscErrorCode MpmLinesWrite(MpmModel model);

@@ -2,11 +2,13 @@
 /*
   Results and progress of a run, and the numbers that checkpoints need of them.
 */
+#include "base/columns.h"
 #include "base/types.h"
 #include "options/database.h"
 #include "io/io.h"
 #include "query/model.h"
 #include "observe/lines.h"
+#include "observe/point_columns.h"
 #include "observe/tracks.h"
 
 /* The checkpoint that a run restarts from (restart.c). */
@@ -54,38 +56,46 @@ void MpmTerminalDuration(PetscReal seconds, char text[MPM_DURATION_TEXT]);
 
 /* ---- results ---- */
 
-/* Checks that the fields chosen by the scene exist (point_fields.c); writes them to the output. */
-PetscErrorCode MpmFieldsCheck(MpmModel model);
-PetscErrorCode MpmFieldsWrite(MpmModel model);
 /* Active nodes and cells into the output (grid_fields.c). */
 PetscErrorCode MpmLatticeWrite(MpmModel model);
+/* Written states of the points and of the grid. */
+typedef struct {
+  PetscInt        every; /* steps between them; 0: none */
+  PetscInt        step;  /* of the last written state */
+  PetscBool       grid, single;
+  PetscInt        chosen_count; /* 0: all fields */
+  char          **chosen;
+  MpmPointColumns fields; /* among which the scene chooses */
+  MpmOutput       file;
+} MpmWrittenStates;
+
+/* Rows of the library's caller. */
+typedef struct {
+  MpmColumns      columns;
+  MpmPointColumns fields;
+} MpmAdded;
+
 struct MpmResults {
-  PetscInt      output_every, history_every; /* steps */
-  PetscInt      output_step;                 /* of the last written state */
-  PetscBool     output_grid, output_single;
-  PetscInt      output_field_count; /* 0: all */
-  char        **output_fields;
-  MpmOutput     output;
-  MpmHistory    history;
-  PetscReal    *history_row;
-  PetscInt      history_columns;
-  PetscReal     start;
-  PetscBool     quiet;
-  MpmTracks     tracks;
-  MpmLines      lines;
-  MpmCheckpoint checkpoint;
-  MpmTerminal   terminal;
+  MpmWrittenStates states;
+  MpmHistory       history;
+  PetscInt         history_every; /* steps between its rows */
+  MpmColumns       columns;       /* of the history */
+  PetscReal       *history_row;
+  PetscReal        dt; /* s, of the step that the row is of */
+  MpmAdded         added;
+  PetscReal        start;
+  PetscBool        quiet;
+  MpmTracks        tracks;
+  MpmLines         lines;
+  MpmCheckpoint    checkpoint;
+  MpmTerminal      terminal;
 };
 
-/* Results (results.c). */
+/* Results (results.c). Destroy leaves the checkpoint. */
+PetscErrorCode MpmResultsDestroy(MpmModel model);
 PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block);
 PetscErrorCode MpmModelWriteState(MpmModel model); /* the points */
 PetscErrorCode MpmModelWriteGrid(MpmModel model);  /* where the scene has it */
-PetscErrorCode MpmModelCreateHistory(MpmModel model);
-PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt);
 PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status);
-/* The history (number 0) or a file of the lines, where the checkpoint has it. */
-PetscErrorCode MpmHistoryResume(MpmModel model, const char *path, PetscInt number, PetscInt columns,
-                                const char *const names[], MpmHistory *table);
 /* A line of the run's header where bodies share nodes (welds.c). */
 PetscErrorCode MpmWeldsPrint(MpmModel model);

@@ -3,11 +3,16 @@
   point's share travels with it in a field of the particles. Points that are taken away, or leave the grid, are no
   longer in the mean; without any it is not a number, and before the first of them joins a stage 0.
 */
+#include "base/columns.h"
 #include "options/options.h"
 #include "geometry/geometry.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "particles/selection.h"
+#include "particles/body.h"
+#include "volume/inertia.h"
+#include "query/model.h"
+#include "observe/results.h"
 #include "observe/tracks.h"
 
 #define ROUNDING 1e-9 /* of the shares' sum, which is 1 while all points are there */
@@ -105,5 +110,67 @@ PetscErrorCode MpmTrackVelocity(const MpmTrack *track, MpmParticles *particles, 
   PetscFunctionBeginUser;
   PetscCall(Mean(track, particles, "velocity", NULL, velocity, &there));
   for (PetscInt a = 0; track->gone && a < particles->dim; a++) velocity[a] = NAN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- columns ---- */
+
+/* Whether bodies wait for the stage that they join. */
+static PetscErrorCode AnyWaits(MpmModel model, PetscBool *any)
+{
+  PetscFunctionBeginUser;
+  *any = PETSC_FALSE;
+  if (!model->results->tracks.count || !model->scene.stages[0].name) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++)
+    if (model->state.scheme.parked[b].count) *any = PETSC_TRUE;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, any, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillTrack(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  MpmTrack *track = &model->results->tracks.at[column->index];
+  PetscBool waiting, fewer;
+
+  PetscFunctionBeginUser;
+  PetscCall(AnyWaits(model, &waiting));
+  PetscCall(MpmTrackEvaluate(track, model->state.particles, waiting, values, &fewer));
+  if (fewer && track->gone)
+    PetscCall(MpmMonitorNote(&model->monitor, "track %s is nan: its points are gone", track->name));
+  else if (fewer)
+    PetscCall(MpmMonitorNote(&model->monitor, "track %s: points are gone, it is the mean of the others", track->name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTracksAddColumns(MpmModel model, MpmColumns *columns)
+{
+  static const char *const parts[] = {"ux", "uy", "uz"};
+
+  PetscFunctionBeginUser;
+  for (PetscInt t = 0; t < model->results->tracks.count; t++) {
+    const MpmColumn row = {"track", "m", model->disc.dim, parts, FillTrack, NULL, t};
+
+    PetscCall(MpmColumnsAdd(columns, model->results->tracks.names[t], &row));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillVelocity(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmTrackVelocity(&model->results->tracks.at[column->index], model->state.particles, values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTracksAddVelocities(MpmModel model, MpmColumns *columns)
+{
+  static const char *const parts[] = {"vx", "vy", "vz"};
+
+  PetscFunctionBeginUser;
+  for (PetscInt t = 0; model->disc.context.inertia->dynamic && t < model->results->tracks.count; t++) {
+    const MpmColumn row = {"track", "m/s", model->disc.dim, parts, FillVelocity, NULL, t};
+
+    PetscCall(MpmColumnsAdd(columns, model->results->tracks.names[t], &row));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

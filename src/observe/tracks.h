@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "particles/selection.h"
+#include "talus/talus.h"
 
 /* A set of points that is followed; the field holds each point's share of the mean. */
 typedef struct {
@@ -33,3 +34,7 @@ typedef struct {
   char    **names;
   MpmTrack *at;
 } MpmTracks;
+
+/* Columns of the history: displacements, and velocities in scenes with a dynamic stage. */
+PetscErrorCode MpmTracksAddColumns(MpmModel model, MpmColumns *columns);
+PetscErrorCode MpmTracksAddVelocities(MpmModel model, MpmColumns *columns);

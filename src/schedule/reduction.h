@@ -8,6 +8,8 @@
 
 /* Rows of the state (base/rows.h). */
 PetscErrorCode MpmReductionAddRows(MpmModel model);
+/* Its column of the history, where a stage reduces. */
+PetscErrorCode MpmReductionAddColumns(MpmModel model, MpmColumns *columns);
 /* Once the points are there: refuses materials without strength beyond half of the mass of a stage that reduces. */
 PetscErrorCode MpmReductionCheck(MpmModel model);
 /*

@@ -14,6 +14,7 @@
   Forces and tractions pick their points in the initial state, among the bodies that are there when they first act. A
   body that goes takes its shares with it.
 */
+#include "base/columns.h"
 #include "geometry/geometry.h"
 #include "grid/shape.h"
 #include "particles/body.h"
@@ -117,6 +118,23 @@ static PetscErrorCode ClearShares(MpmModel model)
     PetscCall(PetscArrayzero(share, count));
     PetscCall(MpmParticlesRestoreField(model->state.particles, &share));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillStage(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  (void)column;
+  PetscFunctionBeginUser;
+  values[0] = (PetscReal)model->state.stage + 1.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStagesAddColumns(MpmModel model, MpmColumns *columns)
+{
+  const MpmColumn row = {.name = "stage", .unit = "-", .fill = FillStage};
+
+  PetscFunctionBeginUser;
+  if (model->scene.stages[0].name) PetscCall(MpmColumnsAdd(columns, NULL, &row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

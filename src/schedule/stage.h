@@ -7,6 +7,8 @@
 #include "talus/talus.h"
 
 PetscErrorCode MpmStagesDestroy(MpmModel model);
+/* The column of the stage's number, where the scene has stages. */
+PetscErrorCode MpmStagesAddColumns(MpmModel model, MpmColumns *columns);
 /* Once the points are there: finds those that carry loads, and puts those aside that later stages add. */
 PetscErrorCode MpmStagesSelect(MpmModel model);
 /*

@@ -29,6 +29,7 @@
   Order of calls: Begin() once its bodies are there; Look() at a solution before it is accepted, Observe() after each
   step; after a step that failed Narrows(), and Close() once that is false.
 */
+#include "base/columns.h"
 #include "geometry/geometry.h"
 #include "point/material.h"
 #include "grid/grid.h"
@@ -320,6 +321,23 @@ static void SeekAnew(MpmModel model)
   if (least != most || safety->start != most) safety->factor = 0.;
   safety->rate = safety->failed = 0.;
   model->state.scheme.settling  = (MpmSettling){0};
+}
+
+static PetscErrorCode FillReduction(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  (void)column;
+  PetscFunctionBeginUser;
+  values[0] = MpmReductionFactor(model, model->state.time);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReductionAddColumns(MpmModel model, MpmColumns *columns)
+{
+  const MpmColumn row = {.name = "reduction", .unit = "-", .fill = FillReduction};
+
+  PetscFunctionBeginUser;
+  if (MpmStagesReduce(model)) PetscCall(MpmColumnsAdd(columns, NULL, &row));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmReductionAddRows(MpmModel model)

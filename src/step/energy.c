@@ -16,6 +16,7 @@
   of second order in the step. The balance is the loss by the integrator, by the transfer between points and nodes, and
   by the ghost penalty, which falls with the step, and with FLIP.
 */
+#include "base/columns.h"
 #include "point/material.h"
 #include "point/stored_energy.h"
 #include "particles/particles.h"
@@ -239,5 +240,48 @@ PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report)
   report->balance    = report->kinetic + report->elastic + report->dissipated - report->external - energy->start;
   PetscCall(PetscArraycpy(report->momentum, &sum[2], MPM_MAX_DIM));
   PetscCall(PetscArraycpy(report->angular, &sum[2 + MPM_MAX_DIM], 3));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define ENERGIES "energy_kinetic", "energy_elastic", "energy_dissipated", "energy_external", "energy_balance"
+
+/* Columns by the dimension; momentum turns about z alone in the plane. */
+static const struct {
+  PetscInt    count, turning;
+  const char *parts[11];
+} columns_of[] = {[2] = {8, 1, {ENERGIES, "momentum_x", "momentum_y", "angular_momentum_z"}},
+                  [3] = {11,
+                         3,
+                         {ENERGIES, "momentum_x", "momentum_y", "momentum_z", "angular_momentum_x",
+                          "angular_momentum_y", "angular_momentum_z"}}};
+
+static PetscErrorCode FillEnergies(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  const PetscInt  dim = model->disc.dim, turning = columns_of[dim].turning;
+  MpmEnergyReport report;
+
+  (void)column;
+  PetscFunctionBeginUser;
+  PetscCall(MpmEnergyEvaluate(model, &report));
+  *values++ = report.kinetic;
+  *values++ = report.elastic;
+  *values++ = report.dissipated;
+  *values++ = report.external;
+  *values++ = report.balance;
+  PetscCall(PetscArraycpy(values, report.momentum, dim));
+  PetscCall(PetscArraycpy(&values[dim], &report.angular[3 - turning], turning));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEnergyAddColumns(MpmModel model, MpmColumns *columns)
+{
+  const PetscInt  dim = model->disc.dim;
+  const MpmColumn row = {.unit  = "J; of momenta kg m/s and kg m2/s",
+                         .count = columns_of[dim].count,
+                         .parts = columns_of[dim].parts,
+                         .fill  = FillEnergies};
+
+  PetscFunctionBeginUser;
+  if (model->disc.context.inertia->dynamic) PetscCall(MpmColumnsAdd(columns, NULL, &row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -46,3 +46,5 @@ typedef struct {
   PetscReal momentum[MPM_MAX_DIM], angular[3];
 } MpmEnergyReport;
 PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report);
+/* Its columns of the history. */
+PetscErrorCode MpmEnergyAddColumns(MpmModel model, MpmColumns *columns);

@@ -13,6 +13,7 @@
   on the grid is remembered from step to step, so that a failed step has nothing to roll back, and the points find their
   cells again.
 */
+#include "base/columns.h"
 #include "options/options.h"
 #include "grid/grid.h"
 #include "particles/body.h"
@@ -133,6 +134,28 @@ static PetscErrorCode AddRows(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(MpmRowsAdd(model->state.rows, NULL, PETSC_STATIC_ARRAY_LENGTH(rows), rows));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillBounds(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscFunctionBeginUser;
+  values[0] = model->disc.grid->lower[column->index];
+  values[1] = model->disc.grid->upper[column->index];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMovingGridAddColumns(MpmModel model, MpmColumns *columns)
+{
+  static const char *const parts[MPM_MAX_DIM][2] = {
+    {"lower_x", "upper_x"}, {"lower_y", "upper_y"}, {"lower_z", "upper_z"}};
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < model->disc.dim; a++) {
+    const MpmColumn row = {"grid", "m", 2, parts[a], FillBounds, NULL, a};
+
+    if (model->scene.follow.axis[a]) PetscCall(MpmColumnsAdd(columns, NULL, &row));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

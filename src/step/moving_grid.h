@@ -11,6 +11,8 @@
   sets the grid for the present points, at a step's start or where points come and go.
 */
 PetscErrorCode MpmMovingGridRead(MpmModel model, const MpmOptions *options);
+/* Columns of the history: extents of the grid along the axes on which it moves. */
+PetscErrorCode MpmMovingGridAddColumns(MpmModel model, MpmColumns *columns);
 PetscErrorCode MpmMovingGridSelect(MpmModel model);
 PetscErrorCode MpmMovingGridFollow(MpmModel model, MpmOutcome *outcome);
 /* After the solution of a step: the grid as the next one will have it; it borrows the model's grid's parts. */

@@ -3,7 +3,8 @@
 Installs into an empty prefix, and builds tests/installed/ against that alone, once through find_package() and once through
 pkg-config: a program in which two models exchange loads through hooks, with the shared library and with the static one,
 and a plugin with a law, a physics of two fields and a term, whose Jacobian must be the same in all forms. The term's springs
-carry a block that moves without strain: its equilibrium and its oscillation are known, step by step.
+carry a block that moves without strain: its equilibrium and its oscillation are known, step by step. Three programs each add
+something from one file: a field of the points, columns of the history, and numbers that checkpoints hold.
 
 Quick.
 """
@@ -11,6 +12,8 @@ import math
 import shutil
 import sys
 from pathlib import Path
+
+import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ENVIRONMENT, ROOT, Run, Test, call, must  # noqa: E402
@@ -97,6 +100,42 @@ def springs(test, talus, copy, plugin):
         test.check(f"{options[0]}_message", int(message in process.stderr and process.stderr.count("\n") == 1), 1, 1)
 
 
+def added(test, folder, copy):
+    """The rows of three programs: what they give follows from the results, on any number of ranks."""
+    def run(program, ranks, place=None, **options):
+        run = Run(folder / program, copy / "pushed.yaml", ranks, options, place or test.folder())
+        test.check(f"{program}_{ranks}_ranks_status", run.status, 0, 0)
+        return run
+
+    for ranks in (1, 3):
+        results = run("mises", ranks, mpm_output_fields="stress,mises").results
+        state = results.state("last")
+        xx, yy, zz, xy = state["stress"].T[:4]
+        mises = np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * xy ** 2)
+        test.check(f"mises_{ranks}_ranks", max(abs(state["mises"].ravel() / mises - 1)), upper=1e-12)
+        test.check(f"mises_{ranks}_ranks_in_the_index", int('"mises"' in Path(results.prefix + ".xdmf").read_text()), 1, 1)
+
+        results = run("centre", ranks).results
+        state, start = results.state("last"), results.state("first")
+        centre = state["mass"].ravel() @ state["position"] / state["mass"].sum()
+        longest = np.sqrt(((state["position"] - start["position0"]) ** 2).sum(axis=1)).max()
+        for name, value in (("centre_x", centre[0]), ("centre_y", centre[1]), ("longest", longest)):
+            test.near(f"{name}_{ranks}_ranks", results.column(name)[-1], value, relative=1e-12)
+
+    whole = run("impulse", 1)
+    time, step = whole.results.column("time"), whole.results.column("dt")
+    for axis, component in enumerate("xy"):
+        sum_of = step @ whole.results.column(f"reaction_floor_{component}")
+        test.near(f"impulse_{component}", float(whole.output.split()[axis]), sum_of, relative=1e-12)
+    for first, then in ((1, 1), (2, 3)):
+        place = test.folder()
+        run("impulse", first, place, mpm_time_end=0.5, mpm_checkpoint_every=5)
+        on = run("impulse", then, place, mpm_restart="latest", mpm_checkpoint_every=5).output.split()
+        for name, value, of_whole in zip(("x", "y", "time", "steps"), on, whole.output.split()):
+            test.near(f"impulse_{first}_ranks_then_{then}_{name}", float(value), float(of_whole), relative=1e-9)
+    test.check("impulse_steps", int(whole.output.split()[3]), len(time), len(time))
+
+
 def main():
     build = Path(sys.argv[1]).resolve().parent
     with Test() as test:
@@ -115,6 +154,7 @@ def main():
         jacobians(test, "jacobians_ranks", ["mpiexec", "--oversubscribe", "-n", "2", folder / "jacobians", "toys.so"],
                   folder)
         springs(test, prefix / "bin" / "talus", copy, folder / "toys.so")
+        added(test, folder, copy)
         for file, message in PLUGIN_FAULTS.items():
             process = call([prefix / "bin" / "talus", "-mpm_plugin", file, "-mpm_dim", "2"], copy)
             test.check(f"{file}_status", process.returncode, 2, 2)

@@ -1,0 +1,23 @@
+#pragma once
+/*
+  The history's columns, and its file (history.c).
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "io/io.h"
+#include "talus/talus.h"
+
+/* Columns that any run has: step, time, dt, newton, linear, cuts. */
+PetscErrorCode MpmStepAddColumns(MpmModel model, MpmColumns *columns);
+/* Forces of conditions, motions and boundaries, and places of the latter; flow out of surfaces (reactions.c). */
+PetscErrorCode MpmReactionsAddColumns(MpmModel model, MpmColumns *columns);
+PetscErrorCode MpmOutflowAddColumns(MpmModel model, MpmColumns *columns);
+
+/* Opens the file once the columns of the scene are known, or takes it up where a run goes on; writes the options. */
+PetscErrorCode MpmHistoryOpen(MpmModel model);
+/* The history (number 0) or a file of the lines, where the checkpoint has it. */
+PetscErrorCode MpmHistoryResume(MpmModel model, const char *path, PetscInt number, PetscInt columns,
+                                const char *const names[], MpmHistory *table);
+/* The history of a scene on a grid, with the files of its lines; and the row of a step. */
+PetscErrorCode MpmModelCreateHistory(MpmModel model);
+PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt);

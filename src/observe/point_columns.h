@@ -1,0 +1,32 @@
+#pragma once
+/*
+  Fields of the points that are written: the register (point_columns.c), and the parts with rows in it.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "talus/parts.h"
+
+/* A row without `fill` is a field of the points as they have it. */
+typedef struct {
+  PetscInt        count;
+  MpmPointColumn *at;
+} MpmPointColumns;
+
+/* Registers a row, unless there is one of the name: several laws have the same history. */
+PetscErrorCode MpmPointColumnsAdd(MpmPointColumns *columns, const MpmPointColumn *row);
+PetscBool      MpmPointColumnsHave(const MpmPointColumns *columns, const char name[]);
+/* Kinematics, stress and mass (point_fields.c); histories, parameters that vary, values of the physics
+   (state_fields.c). */
+PetscErrorCode MpmPointsAddColumns(MpmModel model, MpmPointColumns *columns);
+PetscErrorCode MpmStatesAddColumns(MpmModel model, MpmPointColumns *columns);
+
+/* A symmetric tensor of 4 or 6 components as the results have it: xx, yy, zz, xy, yz, xz. */
+static inline void MpmSymToSpace(PetscInt size, const PetscReal from[], PetscReal to[])
+{
+  for (PetscInt c = 0; c < 6; c++) to[c] = c < size ? from[c] : 0.;
+}
+
+/* Registers all fields of the scene, and the caller's; checks that chosen ones are among them. */
+PetscErrorCode MpmFieldsSetUp(MpmModel model);
+/* Writes the chosen ones to the output. */
+PetscErrorCode MpmFieldsWrite(MpmModel model);

@@ -1,0 +1,184 @@
+/*
+  Columns of the forces on the material: of conditions, motions and boundaries, and of bodies on one another; with them
+  the places of boundaries, and the flow out of surfaces.
+*/
+#include "base/columns.h"
+#include "point/layout.h"
+#include "bc/bc.h"
+#include "bc/body_motion.h"
+#include "rigid/rotations.h"
+#include "contact/contact.h"
+#include "contact/rigid_body.h"
+#include "loads/body_surface.h"
+#include "loads/load.h"
+#include "pairs/body_contact.h"
+#include "query/model.h"
+#include "observe/history.h"
+
+/* ---- conditions and motions ---- */
+
+static PetscErrorCode FillCondition(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  const MpmCondition *condition = &model->scene.bcs->at[column->index];
+  const PetscReal    *reaction  = &model->disc.nodal.reaction[column->index * model->disc.block];
+  const PetscInt      count     = condition->component_count;
+
+  PetscFunctionBeginUser;
+  for (PetscInt c = 0; c < count; c++) values[c] = reaction[condition->component[c]];
+  if (!condition->inclined) PetscFunctionReturn(PETSC_SUCCESS);
+  values[count] = 0.;
+  for (PetscInt a = 0; a < model->disc.dim; a++) values[count] += reaction[a] * condition->normal[a];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* By component, and along the normal of an inclined one. */
+static PetscErrorCode AddCondition(MpmModel model, PetscInt b, MpmColumns *columns)
+{
+  const MpmLayout    *layout    = model->disc.layout;
+  const MpmCondition *condition = &model->scene.bcs->at[b];
+  const char         *parts[MPM_MAX_BLOCK + 1];
+  MpmColumn           row = {.name = "reaction", .unit = "N", .fill = FillCondition, .index = b};
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < condition->component_count; k++) {
+    const PetscInt c = condition->component[k];
+
+    parts[row.count++] = layout->component[c].symbol ? layout->component[c].symbol : layout->component[c].name;
+  }
+  if (condition->inclined) parts[row.count++] = "n";
+  row.parts = parts;
+  if (row.count) PetscCall(MpmColumnsAdd(columns, model->scene.bcs->names[b], &row));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillMotion(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  const MpmBodyMotion *motion = &model->scene.motions->at[column->index];
+  const PetscReal     *reaction =
+    &model->disc.nodal.reaction[(model->scene.bcs->count + column->index) * model->disc.block];
+
+  PetscFunctionBeginUser;
+  for (PetscInt c = 0; c < motion->component_count; c++) values[c] = reaction[motion->component[c]];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AddMotion(MpmModel model, PetscInt m, MpmColumns *columns)
+{
+  const MpmBodyMotion *motion = &model->scene.motions->at[m];
+  const char          *parts[MPM_MAX_BLOCK];
+  const MpmColumn      row = {
+         .name = "reaction", .unit = "N", .count = motion->component_count, .parts = parts, .fill = FillMotion, .index = m};
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < motion->component_count; k++) parts[k] = MpmAxisParts[motion->component[k]];
+  if (row.count) PetscCall(MpmColumnsAdd(columns, model->scene.motions->names[m], &row));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- boundaries ---- */
+
+static PetscErrorCode FillBoundary(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscArraycpy(values, model->disc.context.contacts->reaction[column->index], model->disc.dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillDepth(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscFunctionBeginUser;
+  values[0] = model->disc.context.contacts->depth[column->index];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillMoment(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  const PetscInt count = MpmRotationCount(model->disc.dim);
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArraycpy(values, &model->disc.context.contacts->moment[column->index][3 - count], count));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillPosition(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscReal place[2 * MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  (void)MpmRigidReport(model->disc.context.contacts, column->index, place);
+  PetscCall(PetscArraycpy(values, place, model->disc.dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillRotation(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscReal place[2 * MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  (void)MpmRigidReport(model->disc.context.contacts, column->index, place);
+  PetscCall(PetscArraycpy(values, &place[model->disc.dim], MpmRotationCount(model->disc.dim)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AddBoundary(MpmModel model, PetscInt b, MpmColumns *columns)
+{
+  const PetscInt           dim = model->disc.dim, turning = MpmRotationCount(dim);
+  const char *const *const turns  = &MpmAxisParts[MPM_MAX_DIM - turning];
+  const MpmColumn          rows[] = {
+             {"reaction", "N", dim, MpmAxisParts, FillBoundary, NULL, b},
+             {"depth", "m", 0, NULL, FillDepth, NULL, b},
+             {"moment", "N m", turning, turns, FillMoment, NULL, b},
+             {"position", "m", dim, MpmAxisParts, FillPosition, NULL, b},
+             {"rotation", "degrees", turning, turns, FillRotation, NULL, b},
+  };
+  const size_t count = PETSC_STATIC_ARRAY_LENGTH(rows) - (model->scene.boundaries->at[b].freedom ? 0 : 2);
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < count; k++) PetscCall(MpmColumnsAdd(columns, model->scene.boundaries->names[b], &rows[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- pairs of bodies ---- */
+
+static PetscErrorCode FillPair(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscArraycpy(values, model->disc.context.pairs->force[column->index], model->disc.dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReactionsAddColumns(MpmModel model, MpmColumns *columns)
+{
+  const PetscInt dim = model->disc.dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) PetscCall(AddCondition(model, b, columns));
+  for (PetscInt m = 0; m < model->scene.motions->count; m++) PetscCall(AddMotion(model, m, columns));
+  for (PetscInt b = 0; b < model->scene.boundaries->count; b++) PetscCall(AddBoundary(model, b, columns));
+  for (PetscInt p = 0; p < model->scene.pairs->count; p++) {
+    const MpmColumn row = {"force", "N", dim, MpmAxisParts, FillPair, NULL, p};
+
+    PetscCall(MpmColumnsAdd(columns, model->scene.pairs->names[p], &row));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- surfaces ---- */
+
+static PetscErrorCode FillOutflow(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscFunctionBeginUser;
+  values[0] = model->state.loads[model->scene.loads->count + column->index].outflow;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutflowAddColumns(MpmModel model, MpmColumns *columns)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt s = 0; s < model->scene.surfaces->count && MpmPressureComponent(model->disc.layout) >= 0; s++) {
+    const MpmColumn row = {.name = "outflow", .unit = "m3", .fill = FillOutflow, .index = s};
+
+    PetscCall(MpmColumnsAdd(columns, model->scene.surfaces->names[s], &row));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
