@@ -10,6 +10,7 @@
 #include "observe/signals.h"
 #include "run/command_line.h"
 #include "run/pages.h"
+#include "run/processor.h"
 #include "model/manual.h"
 #include "model/program.h"
 #include "talus/talus.h"
@@ -249,12 +250,19 @@ static void EndAtOnce(int status)
 
 int main(int argc, char **argv)
 {
+  const char    *lacks   = MpmProcessorLacks(mpm_compiled_with);
   ErrorContext   context = {NULL, 0, ""};
   MpmCommandLine line;
   int            status = 0;
   char         **words  = NULL;
   PetscErrorCode error;
 
+  if (lacks) {
+    (void)fprintf(
+      stderr, "talus: error: compiled for a processor with %s, which this one lacks; build with -DTALUS_NATIVE=OFF\n",
+      lacks);
+    return 1;
+  }
   if (MpmCommandLineRead(argc, argv, &line) || Initialize(line.count, line.words, &words)) return 1;
   (void)signal(SIGPIPE, SIG_DFL); /* who reads the output through `head` has seen enough: no traceback */
   PetscCall(PetscPushErrorHandler(HandleError, &context));
