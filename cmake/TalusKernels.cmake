@@ -33,7 +33,8 @@ function(talus_instance instance kind name form definitions)
   set(${form} ${the_form} PARENT_SCOPE)
 endfunction()
 
-# talus_add_plugin(NAME [LAWS FILE...] [PHYSICS FILE... [DIRECTIONS N2 N3]] [TERMS FILE...] [SOURCES FILE...])
+# talus_add_plugin(NAME [LAWS FILE...] [PHYSICS FILE... [DIRECTIONS N2 N3]] [TERMS FILE...]
+#                  [CONTACT_BODIES FILE...] [SOURCES FILE...])
 #
 # A library NAME.so for -mpm_plugin.
 #   LAWS        files NAME.c with MPM_LAW(NAME, ...), as in materials/: the law NAME
@@ -42,9 +43,10 @@ endfunction()
 #   DIRECTIONS  of the physics' kernel, as many as it has inputs, in plane strain and in 3D (with axial symmetry one more than
 #               in plane strain); without it the components of dF
 #   TERMS       files NAME.c with a const MpmTermType MpmTermType_NAME (talus/term.h): the type of term NAME
+#   CONTACT_BODIES files NAME.c with a const MpmContactBodyType MpmContactBodyType_NAME (talus/contact.h): boundaries of type NAME
 #   SOURCES     other files
 function(talus_add_plugin name)
-  cmake_parse_arguments(PARSE_ARGV 1 plugin "" "" "LAWS;PHYSICS;DIRECTIONS;TERMS;SOURCES")
+  cmake_parse_arguments(PARSE_ARGV 1 plugin "" "" "LAWS;PHYSICS;DIRECTIONS;TERMS;CONTACT_BODIES;SOURCES")
   set(physics_instances ${TALUS_INSTANCES})
   list(FILTER physics_instances EXCLUDE REGEX SENSITIVITY)
   if(plugin_DIRECTIONS)
@@ -58,6 +60,7 @@ function(talus_add_plugin name)
   set(TALUS_LAWS "")
   set(TALUS_PHYSICS "")
   set(TALUS_TERMS "")
+  set(TALUS_CONTACT_BODIES "")
   set(objects "")
   foreach(file ${plugin_LAWS} ${plugin_PHYSICS})
     get_filename_component(kernel ${file} NAME_WE)
@@ -95,8 +98,14 @@ function(talus_add_plugin name)
     string(APPEND TALUS_DECLARATIONS "extern const MpmTermType MpmTermType_${term};\n")
     string(APPEND TALUS_TERMS "  PetscCall(host->register_term(&MpmTermType_${term}));\n")
   endforeach()
+  foreach(file ${plugin_CONTACT_BODIES})
+    get_filename_component(body ${file} NAME_WE)
+    string(APPEND TALUS_DECLARATIONS "extern const MpmContactBodyType MpmContactBodyType_${body};\n")
+    string(APPEND TALUS_CONTACT_BODIES "  PetscCall(host->register_contact_body(&MpmContactBodyType_${body}));\n")
+  endforeach()
   configure_file(${TALUS_KERNELS_DIR}/plugin.c.in ${CMAKE_CURRENT_BINARY_DIR}/${name}_plugin.c @ONLY)
-  add_library(${name} MODULE ${CMAKE_CURRENT_BINARY_DIR}/${name}_plugin.c ${plugin_TERMS} ${plugin_SOURCES} ${objects})
+  add_library(${name} MODULE ${CMAKE_CURRENT_BINARY_DIR}/${name}_plugin.c ${plugin_TERMS}
+    ${plugin_CONTACT_BODIES} ${plugin_SOURCES} ${objects})
   target_link_libraries(${name} PRIVATE Talus::headers m)
   set_target_properties(${name} PROPERTIES PREFIX "" SUFFIX ".so" C_VISIBILITY_PRESET hidden C_STANDARD 11)
 endfunction()

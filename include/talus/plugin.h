@@ -1,10 +1,12 @@
 #pragma once
 /*
-  Laws, physics and terms that are compiled outside the tree: a shared library that -mpm_plugin loads.
+  Laws, physics, terms and bodies in contact that are compiled outside the tree: a shared library that -mpm_plugin
+  loads.
 
   talus_add_plugin() of the installed CMake package makes one; the file that it generates defines the two symbols below.
 */
 #include "talus/talus.h"
+#include "talus/contact.h"
 #include "talus/term.h"
 
 /* Services of the program for a plugin, which calls nothing else of it. */
@@ -12,6 +14,7 @@ typedef struct {
   PetscErrorCode (*register_law)(PetscInt count, const MpmLawInstance instances[]);
   PetscErrorCode (*register_physics)(const MpmPhysics *physics);
   PetscErrorCode (*register_term)(const MpmTermType *type);
+  PetscErrorCode (*register_contact_body)(const MpmContactBodyType *type);
 } MpmPluginHost;
 
 #pragma GCC visibility push(default)

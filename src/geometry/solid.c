@@ -15,11 +15,12 @@
 #include "io/stl_file.h"
 #include "geometry/geometry.h"
 #include "geometry/solid.h"
+#include "geometry/solid_types.h"
 #include "geometry/triangles.h"
 
 #include <math.h>
 
-static const char *const types[] = {"plane", "box", "sphere", "cylinder", "cone", "polygon", "stl", NULL};
+const char *const MpmSolidTypes[] = {"plane", "box", "sphere", "cylinder", "cone", "polygon", "stl", NULL};
 
 /* True for an option of the type, or of one of two. With -help, all are. */
 static PetscBool Has(const MpmSolid *solid, MpmSolidType type, MpmSolidType other)
@@ -151,15 +152,36 @@ static PetscErrorCode CheckDim(const MpmOptions *block, const MpmSolid *solid)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Of the built-in types and of those that have been registered. */
+static PetscErrorCode ReadType(const MpmOptions *block, MpmSolid *solid)
+{
+  const MpmContactBodyType *added;
+  const char              **words;
+  PetscInt                  count = 0, type = 0;
+
+  PetscFunctionBeginUser;
+  while (MpmContactBodyTypeAt(count)) count++;
+  PetscCall(PetscCalloc1((MPM_SOLID_ADDED + count + 1), &words));
+  for (PetscInt k = 0; k < MPM_SOLID_ADDED; k++) words[k] = MpmSolidTypes[k];
+  for (PetscInt k = 0; k < count; k++) words[MPM_SOLID_ADDED + k] = MpmContactBodyTypeAt(k)->name;
+  PetscCall(MpmOptionsWord(block, "type", "its surface", words, MPM_REQUIRED, &type, NULL));
+  PetscCall(PetscFree(words));
+  solid->type = (MpmSolidType)PetscMin(type, MPM_SOLID_ADDED);
+  added       = MpmContactBodyTypeAt(type - MPM_SOLID_ADDED);
+  if (solid->type != MPM_SOLID_ADDED) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscNew(&solid->added));
+  solid->added->type = added;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSolidRead(const MpmOptions *block, PetscInt dim, MpmSolid *solid)
 {
   static const char *const sides[] = {"outside", "inside", NULL};
-  PetscInt                 type = 0, inside = 0;
+  PetscInt                 inside  = 0;
 
   PetscFunctionBeginUser;
   solid->dim = dim;
-  PetscCall(MpmOptionsWord(block, "type", "its surface", types, MPM_REQUIRED, &type, NULL));
-  solid->type = (MpmSolidType)type;
+  PetscCall(ReadType(block, solid));
   PetscCall(CheckDim(block, solid));
   if (Has(solid, MPM_SOLID_PLANE, MPM_SOLID_CYLINDER))
     PetscCall(MpmOptionsReals(block, "point", "m", "a point of the plane, or of a cylinder's axis", MPM_RANGE_ANY,
@@ -202,6 +224,33 @@ PetscBool MpmSolidIsRound(const MpmSolid *solid)
   return (PetscBool)(solid->type == MPM_SOLID_SPHERE || solid->type == MPM_SOLID_CYLINDER);
 }
 
+/* Middle and size of a body from outside the tree. */
+static PetscReal AskAdded(const MpmSolid *solid, PetscReal middle[MPM_MAX_DIM])
+{
+  PetscReal size = 1.;
+
+  if (solid->added->type->middle) solid->added->type->middle(&solid->added->body, middle, &size);
+  return size;
+}
+
+PetscReal MpmSolidSize(const MpmSolid *solid)
+{
+  PetscReal  middle[MPM_MAX_DIM], size = 0.;
+  MpmSurface surface;
+
+  if (solid->type == MPM_SOLID_BOX) return hypot(hypot(solid->half[0], solid->half[1]), solid->half[2]);
+  if (solid->radius > 0.) return solid->radius;
+  if (solid->added) return AskAdded(solid, middle);
+  MpmSolidMiddle(solid, middle);
+  for (PetscInt k = 0; k < solid->vertex_count; k++)
+    size = PetscMax(size, hypot(solid->vertices[2 * k] - middle[0], solid->vertices[2 * k + 1] - middle[1]));
+  if (solid->type == MPM_SOLID_STL) {
+    MpmSolidDistance(solid, 0., middle, &surface);
+    size = PetscAbsReal(surface.distance);
+  }
+  return size > 0. ? size : 1.;
+}
+
 void MpmSolidMiddle(const MpmSolid *solid, PetscReal middle[MPM_MAX_DIM])
 {
   const PetscInt   n     = solid->vertex_count;
@@ -210,6 +259,7 @@ void MpmSolidMiddle(const MpmSolid *solid, PetscReal middle[MPM_MAX_DIM])
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) middle[a] = n ? 0. : solid->point[a];
   if (solid->triangles) MpmTrianglesCentroid(solid->triangles, middle);
+  if (solid->added) (void)AskAdded(solid, middle);
   for (PetscInt i = 0; i < n; i++) { /* from the first vertex, so that far from the origin no digits are lost */
     const PetscReal *p = &v[2 * i], *q = &v[2 * ((i + 1) % n)];
     const PetscReal  area = (p[0] - v[0]) * (q[1] - v[1]) - (q[0] - v[0]) * (p[1] - v[1]);

@@ -1,7 +1,7 @@
 #pragma once
 /*
   MpmSolid - the shape of a rigid thing at rest: half-space, box, sphere, cylinder, cone, polygon or a triangulated
-  surface, with the distance from its surface.
+  surface, or one from outside the tree, with the distance from its surface.
 
   Order of calls: MpmSolidRead(), MpmSolidDistance(), MpmSolidDestroy().
 */
@@ -15,26 +15,36 @@ typedef enum {
   MPM_SOLID_CYLINDER,
   MPM_SOLID_CONE,
   MPM_SOLID_POLYGON,
-  MPM_SOLID_STL
+  MPM_SOLID_STL,
+  MPM_SOLID_ADDED /* from outside the tree (talus/contact.h) */
 } MpmSolidType;
 
 typedef struct _p_MpmTriangles *MpmTriangles;
+typedef struct MpmAddedBody     MpmAddedBody; /* solid_types.h */
 
 typedef struct {
-  MpmSolidType type;
-  PetscInt     dim;
-  PetscReal    side;                                /* 1: the material is outside, -1: inside */
-  PetscReal    point[MPM_MAX_DIM];                  /* centre; of a plane or an axis; a cone's tip */
-  PetscReal    direction[MPM_MAX_DIM];              /* a plane's normal, an axis; a cone's from its tip */
-  PetscReal    half[MPM_MAX_DIM], radius, slope[2]; /* of a box; slope: sine and cosine of a cone's half angle */
-  PetscInt     vertex_count;
-  PetscReal   *vertices; /* x and y, counterclockwise */
-  MpmTriangles triangles;
+  MpmSolidType  type;
+  PetscInt      dim;
+  PetscReal     side;                                /* 1: the material is outside, -1: inside */
+  PetscReal     point[MPM_MAX_DIM];                  /* centre; of a plane or an axis; a cone's tip */
+  PetscReal     direction[MPM_MAX_DIM];              /* a plane's normal, an axis; a cone's from its tip */
+  PetscReal     half[MPM_MAX_DIM], radius, slope[2]; /* of a box; slope: sine and cosine of a cone's half angle */
+  PetscInt      vertex_count;
+  PetscReal    *vertices; /* x and y, counterclockwise */
+  MpmTriangles  triangles;
+  MpmAddedBody *added;
 } MpmSolid;
 
-/* Reads -<prefix>type, side, and the options of the type; see solid.c. Collective. */
+extern const char *const MpmSolidTypes[]; /* names of the built-in types */
+
+/*
+  Reads -<prefix>type, side, and the options of the type; see solid.c. Of a type from outside the tree, the boundary
+  reads the parameters. Collective.
+*/
 PetscErrorCode MpmSolidRead(const MpmOptions *block, PetscInt dim, MpmSolid *solid);
 PetscErrorCode MpmSolidDestroy(MpmSolid *solid);
+/* A length of its order, m: a radius, half a diagonal; 1 where it has none. */
+PetscReal MpmSolidSize(const MpmSolid *solid);
 /* Its point, centre or tip; the centroid of a polygon or of the volume that triangles enclose. */
 void MpmSolidMiddle(const MpmSolid *solid, PetscReal middle[MPM_MAX_DIM]);
 /* True where its radius can grow. */

@@ -2,6 +2,7 @@
   Distances from the shapes that need no search (triangles: triangles.c).
 */
 #include "geometry/solid.h"
+#include "geometry/solid_types.h"
 #include "geometry/triangles.h"
 
 #include <math.h>
@@ -189,6 +190,20 @@ static void PolygonDistance(const MpmSolid *solid, const PetscReal x[], MpmSurfa
   VertexNormal(solid, nearest, r, surface);
 }
 
+/* ---- from outside the tree ---- */
+
+static void AddedDistance(const MpmAddedBody *added, const PetscReal x[], MpmSurface *surface)
+{
+  MpmContactDistance seen = {0};
+
+  added->type->distance(&added->body, x, &seen);
+  surface->distance = seen.distance;
+  for (PetscInt a = 0; a < added->body.dim; a++) {
+    surface->normal[a] = seen.normal[a];
+    for (PetscInt b = 0; b < added->body.dim; b++) surface->second[a][b] = seen.second[a][b];
+  }
+}
+
 /* ---- all ---- */
 
 void MpmSolidDistance(const MpmSolid *solid, PetscReal growth, const PetscReal x[], MpmSurface *surface)
@@ -224,6 +239,9 @@ void MpmSolidDistance(const MpmSolid *solid, PetscReal growth, const PetscReal x
     break;
   case MPM_SOLID_STL:
     MpmTrianglesDistance(solid->triangles, x, surface);
+    break;
+  case MPM_SOLID_ADDED:
+    AddedDistance(solid->added, x, surface);
     break;
   }
   if (solid->side < 0.) MpmSurfaceFlip(dim, surface);

@@ -221,6 +221,31 @@ PetscErrorCode MpmParameterRead(const MpmOptions *block, const MpmParameter *par
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmParametersRead(const MpmOptions *block, PetscInt count, const MpmParameter parameters[],
+                                 double **values, MpmLawTable **tables)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((count + 1), values));
+  PetscCall(PetscCalloc1((count + 1), tables));
+  for (PetscInt k = 0; k < count; k++) PetscCall(MpmParameterRead(block, &parameters[k], &(*values)[k], &(*tables)[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParametersPrint(const MpmOptions *block, PetscInt count, const MpmParameter parameters[])
+{
+  const MpmOptions unrecorded = {block->comm, block->prefix, NULL};
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < count; k++) {
+    MpmLawTable table;
+    double      unused;
+
+    PetscCall(MpmParameterRead(&unrecorded, &parameters[k], &unused, &table));
+    PetscCall(PetscFree(table.value));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTablesDestroy(size_t count, MpmLawTable **table)
 {
   PetscFunctionBeginUser;

@@ -143,7 +143,7 @@ static PetscErrorCode Open(const char path[], void **handle, char fault[], size_
 
 static PetscErrorCode Load(MPI_Comm comm, const char path[])
 {
-  const MpmPluginHost host = {MpmLawRegister, MpmPhysicsRegister, MpmTermRegister};
+  const MpmPluginHost host = {MpmLawRegister, MpmPhysicsRegister, MpmTermRegister, MpmContactBodyRegister};
   char                fault[512];
   void               *handle = NULL, *symbol;
   Register            entry;
@@ -174,7 +174,8 @@ PetscErrorCode MpmPluginsLoad(const MpmOptions *options)
 
   PetscFunctionBegin;
   PetscCall(MpmOptionsText(
-    options, "plugin", "files with laws, physics and terms that were compiled outside the program, separated by commas",
+    options, "plugin",
+    "files with laws, physics, terms and bodies in contact that were compiled outside the program, separated by commas",
     NULL, MPM_OPTIONAL, &text));
   if (!text) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTextSplit(text, &count, &paths));

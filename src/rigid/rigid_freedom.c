@@ -31,24 +31,6 @@ static PetscErrorCode TakeComponent(const MpmOptions *block, PetscInt dim, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal MpmBoundarySize(const MpmBoundary *boundary)
-{
-  const MpmSolid *solid = &boundary->solid;
-  PetscReal       middle[MPM_MAX_DIM], size = 0.;
-  MpmSurface      surface;
-
-  if (solid->type == MPM_SOLID_BOX) return hypot(hypot(solid->half[0], solid->half[1]), solid->half[2]);
-  if (solid->radius > 0.) return solid->radius;
-  MpmSolidMiddle(solid, middle);
-  for (PetscInt k = 0; k < solid->vertex_count; k++)
-    size = PetscMax(size, hypot(solid->vertices[2 * k] - middle[0], solid->vertices[2 * k + 1] - middle[1]));
-  if (solid->type == MPM_SOLID_STL) {
-    MpmSolidDistance(solid, 0., middle, &surface);
-    size = PetscAbsReal(surface.distance);
-  }
-  return size > 0. ? size : 1.;
-}
-
 /* Mass, and options that belong to it. */
 static PetscErrorCode ReadMass(const MpmOptions *block, PetscInt dim, MpmFreedom *freedom)
 {
@@ -157,7 +139,7 @@ PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *bounda
   for (PetscInt k = 0; k < MpmRotationCount(dim); k++) freedom->moment[MpmRotationAxis(dim, k)] = moment[k];
   PetscCall(ReadMass(block, dim, freedom));
   PetscCall(MpmRampCreate(block, "load_ramp", "0:0,1:1", &freedom->ramp));
-  freedom->size = MpmBoundarySize(boundary);
+  freedom->size = MpmSolidSize(&boundary->solid);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -59,8 +59,6 @@ typedef struct {
   PetscReal residual[3][3], derivative[3][3][3][3]; /* [of][component][by][component] */
 } MpmRigidAnswer;
 
-/* A length of the body's order, m: a radius, half a diagonal; 1 where it has none. */
-PetscReal      MpmBoundarySize(const MpmBoundary *boundary);
 PetscErrorCode MpmFreedomRead(const MpmOptions *block, const MpmBoundary *boundary, MpmFreedom **freedom);
 PetscErrorCode MpmFreedomDestroy(MpmFreedom **freedom);
 /* True where its loads have a potential. A moment of constant direction has none where a body turns about several

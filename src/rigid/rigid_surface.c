@@ -14,6 +14,7 @@
 #include "options/options.h"
 #include "geometry/geometry.h"
 #include "grid/grid.h"
+#include "rigid/added_body.h"
 #include "rigid/rigid.h"
 #include "rigid/rigid_motion.h"
 
@@ -105,7 +106,7 @@ static PetscErrorCode ReadMethod(const MpmOptions *block, MpmBoundary *boundary)
   if (!augmented && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsReal(block, "penetration", "of its size", "mean depth in a cell that method augmented leaves",
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &share, NULL));
-  boundary->penetration = share * MpmBoundarySize(boundary);
+  boundary->penetration = share * MpmSolidSize(&boundary->solid);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -145,6 +146,7 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   boundary->penalty = 500.;
   PetscCall(MpmOptionsHeading(&block, "Boundary"));
   PetscCall(MpmSolidRead(&block, grid->dim, &boundary->solid));
+  PetscCall(MpmAddedBodyRead(&block, boundary->name, &boundary->solid));
   PetscCall(MpmOptionsBool(&block, "drained",
                            "water passes where the material touches it, at the pressure of open water there, or none",
                            &boundary->water.drained, NULL));
@@ -172,12 +174,14 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   PetscCall(ReadMethod(&block, boundary));
   PetscCall(ReadPoints(options, name, grid, boundary));
   PetscCall(NameFields(boundary, tears));
+  if (MpmOptionsHelp()) PetscCall(MpmAddedBodiesPrint(&block));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary)
 {
   PetscFunctionBeginUser;
+  PetscCall(MpmAddedBodyDestroy(&boundary->solid));
   PetscCall(PetscFree(boundary->name));
   PetscCall(PetscFree(boundary->fields.pressure));
   PetscCall(PetscFree(boundary->fields.gap));

@@ -200,7 +200,6 @@ static PetscErrorCode AddWork(const void *ctx, const MpmSum *sum, const PetscRea
 /* For -help: every type with its parameters. */
 static PetscErrorCode PrintTypes(const MpmOptions *block)
 {
-  const MpmOptions   unrecorded = {block->comm, block->prefix, NULL}; /* types share names of parameters */
   const MpmTermType *type;
   char               title[256];
 
@@ -208,13 +207,7 @@ static PetscErrorCode PrintTypes(const MpmOptions *block)
   for (PetscInt k = 0; (type = MpmTermTypeAt(k)); k++) {
     PetscCall(PetscSNPrintf(title, sizeof(title), "Term of type %s: %s", type->name, type->summary));
     PetscCall(MpmOptionsHeading(block, title));
-    for (PetscInt i = 0; i < type->parameter_count; i++) {
-      MpmLawTable table;
-      double      unused;
-
-      PetscCall(MpmParameterRead(&unrecorded, &type->parameters[i], &unused, &table));
-      PetscCall(PetscFree(table.value));
-    }
+    PetscCall(MpmParametersPrint(block, type->parameter_count, type->parameters));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -264,12 +257,8 @@ static PetscErrorCode TermRead(const MpmOptions *options, const char name[], con
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &added->region));
   if (MpmOptionsHelp()) PetscCall(PrintTypes(&block));
   else {
-    const PetscInt count = added->type->parameter_count;
-
-    PetscCall(PetscCalloc1((count + 1), &added->parameter));
-    PetscCall(PetscCalloc1((count + 1), &added->table));
-    for (PetscInt k = 0; k < count; k++)
-      PetscCall(MpmParameterRead(&block, &added->type->parameters[k], &added->parameter[k], &added->table[k]));
+    PetscCall(MpmParametersRead(&block, added->type->parameter_count, added->type->parameters, &added->parameter,
+                                &added->table));
     settings.parameter = added->parameter;
     settings.table     = added->table;
     if (added->type->create) PetscCall(added->type->create(&settings, &added->ctx));

@@ -3,8 +3,9 @@
 Installs into an empty prefix, and builds tests/installed/ against that alone, once through find_package() and once through
 pkg-config: a program in which two models exchange loads through hooks, with the shared library and with the static one,
 and a plugin with a law, a physics of two fields and a term, whose Jacobian must be the same in all forms. The term's springs
-carry a block that moves without strain: its equilibrium and its oscillation are known, step by step. Three programs each add
-something from one file: a field of the points, columns of the history, and numbers that checkpoints hold.
+carry a block that moves without strain: its equilibrium and its oscillation are known, step by step. A paraboloid of the
+plugin is pressed into a block: near its tip it is the sphere that is built in, and under a load it comes to rest. Three
+programs each add something from one file: a field of the points, columns of the history, and numbers that checkpoints hold.
 
 Quick.
 """
@@ -26,12 +27,15 @@ SPRING_FAULTS = ((("-mpm_term_left_type", "rope"), "-mpm_term_left_type rope: is
                  (("-mpm_term_left_stiffness", "-1"), "-mpm_term_left_stiffness -1: must lie in"),
                  (("-mpm_time_integrator", "explicit"), "-mpm_terms: need steps that are not explicit"))
 
+DIE_FAULTS = ((("-mpm_boundary_die_type", "bowl"), "must be one of plane, box, sphere, cylinder, cone, polygon, stl, paraboloid"),
+              (("-mpm_boundary_die_type", "paraboloid"), "-mpm_boundary_die_tip is missing"))
+
 
 def install(test, build, prefix):
     """Installs the build tree, and looks that all is there and nothing else is."""
     must(test, "install", ["cmake", "--install", build, "--prefix", prefix], build)
     for file in ("bin/talus", "lib/libtalus.a", "lib/libtalus.so", "include/talus/talus.h", "include/talus/plugin.h",
-                 "include/talus/point/law.h", "lib/cmake/Talus/TalusConfig.cmake", "lib/pkgconfig/talus.pc", "share/man/man1/talus.1",
+                 "include/talus/contact.h", "include/talus/point/law.h", "lib/cmake/Talus/TalusConfig.cmake", "lib/pkgconfig/talus.pc", "share/man/man1/talus.1",
                  "share/bash-completion/completions/talus", "share/zsh/site-functions/_talus", "share/talus/talus.schema.json",
                  "share/doc/talus/README.md"):
         test.check(file, int((prefix / file).exists()), 1, 1)
@@ -136,6 +140,35 @@ def added(test, folder, copy):
     test.check("impulse_steps", int(whole.output.split()[3]), len(time), len(time))
 
 
+def paraboloid(test, talus, copy, plugin):
+    """Where contact is narrow beside the radius, forces are a sphere's, to the square of their ratio; a load is carried."""
+    pushed, loaded = {"motion": "0,-0.01"}, {"free": "y", "load": "0,-8e3"}
+    shapes = {"paraboloid": {"tip": 0.8}, "sphere": {"center": "0,4.8"}}
+    solid = {"mpm_dim": 3, "mpm_grid_lower": "-1,-1,0", "mpm_grid_upper": "1,1,1.2", "mpm_grid_cells": "10,10,6",
+             "mpm_body_b_lower": "-0.8,-0.8,0", "mpm_body_b_upper": "0.8,0.8,0.8", "mpm_body_b_points_per_cell": "2,2,2",
+             "mpm_bc_floor_lower": "-1,-1,0", "mpm_bc_floor_upper": "1,1,0", "mpm_bc_floor_components": "x,y,z"}
+
+    def force(shape, ranks, way, dim=2):
+        own = {"type": shape, **shapes[shape], **way}
+        if dim == 3:
+            own.update({"motion": "0,0,-0.01"} if shape == "paraboloid" else {"motion": "0,0,-0.01", "center": "0,0,4.8"})
+        options = {f"mpm_boundary_die_{name}": value for name, value in own.items()}
+        run = Run(talus, copy / "die.yaml", ranks, {"mpm_plugin": plugin, **options, **(solid if dim == 3 else {})},
+                  test.folder())
+        test.check(f"die_{shape}_status", run.status, 0, 0)
+        return run.results.column(f"reaction_die_{'xyz'[dim - 1]}")[-1]
+
+    one = force("paraboloid", 1, pushed)
+    test.near("die_as_sphere", one, force("sphere", 1, pushed), relative=1e-3)
+    test.near("die_3d_as_sphere", force("paraboloid", 1, pushed, 3), force("sphere", 1, pushed, 3), relative=1e-3)
+    test.near("die_3_ranks", force("paraboloid", 3, pushed), one, relative=1e-8)
+    test.near("die_at_rest", force("paraboloid", 1, loaded), -8e3, relative=1e-8)
+    for options, message in DIE_FAULTS:
+        process = call([talus, "-options_file", copy / "die.yaml", "-mpm_plugin", plugin, *options], test.folder())
+        test.check(f"{options[1]}_status", process.returncode, 2, 2)
+        test.check(f"{options[1]}_message", int(message in process.stderr and process.stderr.count("\n") == 1), 1, 1)
+
+
 def main():
     build = Path(sys.argv[1]).resolve().parent
     with Test() as test:
@@ -155,6 +188,7 @@ def main():
                   folder)
         springs(test, prefix / "bin" / "talus", copy, folder / "toys.so")
         added(test, folder, copy)
+        paraboloid(test, prefix / "bin" / "talus", copy, folder / "toys.so")
         for file, message in PLUGIN_FAULTS.items():
             process = call([prefix / "bin" / "talus", "-mpm_plugin", file, "-mpm_dim", "2"], copy)
             test.check(f"{file}_status", process.returncode, 2, 2)
@@ -162,6 +196,7 @@ def main():
         manual = must(test, "manual", [prefix / "bin" / "talus", "-mpm_plugin", folder / "toys.so", "-help"], folder)
         test.check("manual_lists_the_law", int("Material of type fung" in manual), 1, 1)
         test.check("manual_lists_the_term", int("Term of type foundation" in manual), 1, 1)
+        test.check("manual_lists_the_body", int("Boundary of type paraboloid" in manual), 1, 1)
 
 
 if __name__ == "__main__":
