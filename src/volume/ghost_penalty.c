@@ -164,13 +164,14 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
   (void)u;
   (void)failed;
   for (PetscInt f = 0; f < space->faces.count; f++) {
-    const MpmFace  *face  = &space->faces.face[f];
-    const MpmGroup *box   = &space->groups[space->faces.begin + f];
-    const PetscInt *nodes = &space->group_nodes[box->node_offset];
-    const PetscReal other = components > dim ? Factor(sum, face, dim) / face->stiffness : 0.;
+    const MpmFace  *face      = &space->faces.face[f];
+    const MpmGroup *box       = &space->groups[space->faces.begin + f];
+    const PetscInt *nodes     = &space->group_nodes[box->node_offset];
+    const PetscReal stiffness = Factor(sum, face, 0),
+                    other     = components > dim ? Factor(sum, face, dim) / stiffness : 0.;
 
     for (PetscInt i = 0; i < box->node_count; i++) {
-      PetscReal value = face->stiffness;
+      PetscReal value = stiffness;
       PetscInt  k     = i;
 
       for (PetscInt a = 0; a < dim; k /= box->count[a], a++)
@@ -182,15 +183,17 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 }
 
 /* The face's matrix, the same for every component of the displacement; returns its number of nodes. */
-static PetscInt FaceMatrix(const MpmSpace *space, PetscInt f, PetscReal matrix[])
+static PetscInt FaceMatrix(const MpmSum *sum, PetscInt f, PetscReal matrix[])
 {
-  const MpmFace  *face  = &space->faces.face[f];
-  const PetscInt *count = space->groups[space->faces.begin + f].count,
-                 n      = space->groups[space->faces.begin + f].node_count;
+  const MpmSpace *space     = sum->space;
+  const MpmFace  *face      = &space->faces.face[f];
+  const PetscReal stiffness = Factor(sum, face, 0);
+  const PetscInt *count     = space->groups[space->faces.begin + f].count,
+                 n          = space->groups[space->faces.begin + f].node_count;
 
   for (PetscInt p = 0; p < n / count[0]; p++) { /* lines of nodes along the first axis */
     for (PetscInt q = 0; q < n / count[0]; q++) {
-      PetscReal value = face->stiffness * face->along[1][(p % count[1]) * count[1] + q % count[1]];
+      PetscReal value = stiffness * face->along[1][(p % count[1]) * count[1] + q % count[1]];
 
       if (space->dim == 3) value *= face->along[2][(p / count[1]) * count[2] + q / count[1]];
       for (PetscInt i = 0; i < count[0]; i++)
@@ -212,9 +215,9 @@ static PetscErrorCode AddElements(const MpmSum *sum, MpmPattern *pattern)
   PetscCall(PetscMalloc1((MPM_FACE_NODES * MPM_FACE_NODES), &matrix));
   PetscCall(PetscMalloc1((MPM_FACE_NODES * MPM_FACE_NODES * bs * bs), &element));
   for (PetscInt f = 0; f < space->faces.count; f++) {
-    const PetscInt  n = FaceMatrix(space, f, matrix);
-    const PetscReal other =
-      components > dim ? Factor(sum, &space->faces.face[f], dim) / space->faces.face[f].stiffness : 0.;
+    const MpmFace  *face  = &space->faces.face[f];
+    const PetscInt  n     = FaceMatrix(sum, f, matrix);
+    const PetscReal other = components > dim ? Factor(sum, face, dim) / Factor(sum, face, 0) : 0.;
 
     PetscCall(PetscArrayzero(element, n * n * bs * bs));
     for (PetscInt i = 0; i < n; i++)

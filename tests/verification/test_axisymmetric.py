@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Axial symmetry: Lame's cylinder and its plastic limit, uniform pressure up to the axis, consolidation, free fall of a ring, a plate,
-forms of the Jacobian, ranks, refused scenes. Quick.
+forms of the Jacobian, penalties, ranks, refused scenes. Quick.
 
 Lame (1852) and, for the limit of a von Mises cylinder in plane strain, Hill (1950), The mathematical theory of
 plasticity: p = (2/sqrt 3) sigma_y ln(b/a).
@@ -143,6 +143,13 @@ def forms(test):
         test.check("forms.ranks", difference(reference, other["displacement"]), None, 1e-9)
 
 
+def penalties(test):
+    """Ghost and interior penalties: linear scenes take one Newton iteration a step, with a Jacobian of the same weights."""
+    for name in ("ghost", "interior"):
+        run = test.run(written(test, cylinder(8, "gimp")), **{f"mpm_stabilization_{name}": 0.1})
+        test.check(f"penalties.{name}.iterations", run.newton.max(), None, 1)
+
+
 def refused(test):
     """What no ring has is refused, with the name of the option."""
     scene = written(test, cylinder(8))
@@ -158,5 +165,5 @@ def refused(test):
 
 if __name__ == "__main__":
     with Test() as test:
-        for part in (lame, limit, pressure, water, fall, plate, forms, refused):
+        for part in (lame, limit, pressure, water, fall, plate, forms, penalties, refused):
             part(test)
