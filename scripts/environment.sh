@@ -9,3 +9,9 @@ export OMP_NUM_THREADS=1                     # ranks are the parallelism; thread
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export ASAN_OPTIONS="${ASAN_OPTIONS:-detect_leaks=0}" # Open MPI and PETSc keep memory to the end; -malloc_dump looks for our leaks
 export MPLBACKEND=Agg                        # pictures go to files
+
+# Objects that were compiled before, on this processor, come from ccache where it is installed.
+if command -v ccache >/dev/null; then
+  export CMAKE_C_COMPILER_LAUNCHER="${CMAKE_C_COMPILER_LAUNCHER-ccache}" CCACHE_BASEDIR="$ROOT" CCACHE_NOHASHDIR=1
+  export CCACHE_COMPILERCHECK="%compiler% -march=native -Q --help=target"
+fi

@@ -4,7 +4,7 @@ set -euo pipefail
 
 # OpenBLAS because Debian's default BLAS is the reference one, several times slower in 3D.
 packages=(
-  gcc libc6-dev make cmake pkg-config check
+  gcc libc6-dev make cmake pkg-config check ccache
   petsc-dev libhypre-dev libmumps-dev libmetis-dev liblapack-dev libhdf5-openmpi-dev libyaml-dev libopenmpi-dev openmpi-bin libopenblas0-serial
   libembree-dev
   python3 python3-numpy python3-h5py python3-yaml python3-matplotlib python3-jsonschema mandoc
