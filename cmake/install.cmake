@@ -28,7 +28,7 @@ configure_package_config_file(cmake/TalusConfig.cmake.in ${PROJECT_BINARY_DIR}/g
   INSTALL_DESTINATION ${package} PATH_VARS CMAKE_INSTALL_INCLUDEDIR CMAKE_INSTALL_LIBDIR)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/TalusConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 
-install(TARGETS talus RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS talus RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 install(TARGETS mpm talus_shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY include/talus DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
 install(FILES ${PROJECT_BINARY_DIR}/generated/TalusConfig.cmake ${PROJECT_BINARY_DIR}/generated/TalusConfigVersion.cmake

@@ -1,0 +1,19 @@
+"""Talus from Python: scenes, runs, parameter studies, calibrations.
+
+    import talus
+
+    scene = talus.Scene("case.yaml")
+    scene["material_soil_E"] = 20e6
+    results = talus.run(scene, ranks=2)
+    print(results.history["track_toe_ux"].iloc[-1])
+"""
+from .calibration import Calibration, calibrate
+from .errors import RunError, SceneError
+from .program import find_program
+from .results import Picture, Results, ResultsError, State
+from .running import run
+from .scene import Scene
+from .sweeps import sweep
+
+__all__ = ["Calibration", "Picture", "Results", "ResultsError", "RunError", "Scene", "SceneError", "State", "calibrate",
+           "find_program", "run", "sweep"]

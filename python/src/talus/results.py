@@ -1,0 +1,147 @@
+"""Results of a run, as tables and arrays."""
+from __future__ import annotations
+
+import functools
+import html
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from .tools import results as files
+
+PLOT = Path(__file__).parent / "tools" / "plot.py"
+ResultsError = files.ResultsError
+Fields = dict[str, npt.NDArray[Any]]
+
+
+class State(Fields):
+    """Fields of the points at one time by name, rows by `id`; stress is Cauchy's: xx, yy, zz, xy, yz, xz."""
+
+    def __init__(self, step: int, time: float, fields: Fields) -> None:
+        super().__init__(fields)
+        self.step, self.time = step, time
+
+
+class Picture:
+    """A picture that notebooks show."""
+
+    def __init__(self, png: bytes) -> None:
+        self.png = png
+
+    def _repr_png_(self) -> bytes:
+        return self.png
+
+    def save(self, path: str | Path) -> None:
+        """Writes the picture as PNG."""
+        Path(path).write_bytes(self.png)
+
+
+class Results:
+    """What a run left behind, read when it is first asked for.
+
+    Args:
+        prefix: of the files, as `out/look` for out/look_history.csv.
+        status: exit status of the run; by default as the summary says.
+        output: the program's lines.
+        keep: an object that lives as long as the results, as a folder for the while.
+    """
+
+    def __init__(self, prefix: str | Path, status: int | None = None, output: str = "", keep: object = None) -> None:
+        self._files = files.Results(prefix)
+        self._status, self._keep, self.output = status, keep, output
+
+    @property
+    def prefix(self) -> Path:
+        """Common beginning of the files."""
+        return Path(self._files.prefix)
+
+    @property
+    def status(self) -> int:
+        """Exit status: 0 completed or interrupted, 3 gave up, 4 a file could not be written."""
+        if self._status is not None:
+            return self._status
+        return 0 if self.summary["status"] in ("completed", "interrupted") else 3
+
+    @functools.cached_property
+    def history(self) -> pd.DataFrame:
+        """A row a step."""
+        return pd.read_csv(self._files.path("_history.csv"))
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """How the run ended, its sizes and times."""
+        return dict(self._files.summary)
+
+    @property
+    def options(self) -> dict[str, str]:
+        """The options in force, defaults included, as text."""
+        return dict(self._files.options)
+
+    @property
+    def states(self) -> list[int]:
+        """Steps whose points were written."""
+        return list(self._files.steps)
+
+    def state(self, step: int | str = "last") -> State:
+        """The points at a step: its number, "first" or "last"."""
+        state = self._files.state(step)
+        return State(state.step, state.time, state.fields)
+
+    @functools.cached_property
+    def points(self) -> State:
+        """The points at the last written step."""
+        return self.state("last")
+
+    def table(self, kind: str, name: str) -> pd.DataFrame:
+        """The file of a row of cuts (kind "section") or of a line ("profile")."""
+        return pd.DataFrame(self._files.table(kind, name))
+
+    def to_pyvista(self, step: int | str = "last") -> Any:
+        """The points at a step as pyvista.PolyData, fields as point data; needs pyvista."""
+        try:
+            import pyvista
+        except ImportError as error:
+            raise ImportError("to_pyvista needs the package pyvista: pip install pyvista") from error
+        state = self.state(step)
+        position = state["position"]
+        cloud = pyvista.PolyData(np.pad(position, ((0, 0), (0, 3 - position.shape[1]))))
+        for name, values in state.items():
+            flat = name in ("displacement", "velocity", "acceleration") and values.shape[1] == 2
+            cloud.point_data[name] = np.pad(values, ((0, 0), (0, 1))) if flat else values
+        return cloud
+
+    def plot(self, **options: Any) -> Picture:
+        """Draws the results by the program's `plot.py`.
+
+        Args:
+            options: those of `plot.py`, as field="stress", component="yy", step=20, deformed=True, or
+                history=["track_tip_uy"], x="load", or measured="data.csv" for a laboratory test.
+        """
+        with tempfile.TemporaryDirectory(prefix="talus_") as folder:
+            picture = Path(folder) / "picture.png"
+            words = [str(Path(self._files.prefix).resolve()), "--output", str(picture)]
+            for name, value in options.items():
+                if value is False or value is None:
+                    continue
+                values = [] if value is True else value if isinstance(value, (list, tuple)) else [value]
+                words += ["--" + name.replace("_", "-"), *map(str, values)]
+            done = subprocess.run([sys.executable, str(PLOT), *words], capture_output=True, text=True, check=False)
+            if done.returncode or not picture.exists():
+                raise ResultsError((done.stderr.strip().splitlines() or ["plot.py drew nothing"])[-1])
+            return Picture(picture.read_bytes())
+
+    def _repr_html_(self) -> str:
+        summary = self.summary
+        keys = ("title", "status", "physics", "dim", "points", "ranks", "steps", "newton_iterations", "time_total_s")
+        texts = {key: html.escape(str(summary[key])) for key in keys if key in summary}
+        rows = "".join(f"<tr><th>{key}</th><td>{text}</td></tr>" for key, text in texts.items())
+        return f"<table>{rows}</table>{self.history.tail(3).to_html(index=False)}"
+
+    def __repr__(self) -> str:
+        return f"Results({str(self.prefix)!r}, {self.summary['status']})"
