@@ -247,6 +247,20 @@ MPM_FN Trial TrialOf(const Real *parameter, double strain, double square, double
   return trial;
 }
 
+/* The unknowns of a step that yields; non-zero where there are none. */
+MPM_FN int SolveFlow(const Real *parameter, Real size, const Trial *trial, const Dual input[], Dual x[])
+{
+  double start[2];
+
+  FindStart(parameter, trial, start);
+  {
+    const Problem  problem  = {parameter, size, trial->size * exp(start[0] / trial->hardening)};
+    const Implicit implicit = {Residual, &problem, input, 2, 2, 1.};
+
+    return ImplicitSystem(&implicit, start, x);
+  }
+}
+
 MPM_FN int MpmMaterialEvaluate_modified_cam_clay(const MpmLawPoint *point, const Tensor *dF, Sym *tau)
 {
   const Real *parameter = point->parameter;
@@ -271,16 +285,9 @@ MPM_FN int MpmMaterialEvaluate_modified_cam_clay(const MpmLawPoint *point, const
            Noise(&trial, DualValue(p), RealValue(parameter[PRESSURE_MIN]));
   dev = SymScaleBy(shear / 3., &dev);
   if (yields) {
-    double start[2];
-    Dual   part;
+    Dual part;
 
-    FindStart(parameter, &trial, start);
-    {
-      const Problem  problem  = {parameter, size, trial.size * exp(start[0] / trial.hardening)};
-      const Implicit implicit = {Residual, &problem, input, 2, 2, 1.};
-
-      if (ImplicitSystem(&implicit, start, x)) return 1;
-    }
+    if (SolveFlow(parameter, size, &trial, input, x)) return 1;
     p    = Pressure(parameter, DualAdd(input[0], x[0]));
     part = DualDiv(DualConstant(1.), DualShift(x[1], 1.));
     dev  = SymScale(ScalarFromDual(part, 2, given), &dev);

@@ -40,24 +40,7 @@
 */
 #include "talus/point/elasticity.h"
 #include "talus/point/implicit.h"
-
-enum {
-  DENSITY,
-  KAPPA,
-  SHEAR,
-  CRITICAL_RATIO,
-  CURVATURE,
-  BETA,
-  LAMBDA,
-  V_C0,
-  HARDENING,
-  SPECIFIC_VOLUME,
-  IMAGE_PRESSURE,
-  PRECONSOLIDATION,
-  OCR,
-  POP,
-  REFERENCE_PRESSURE
-};
+#include "nor_sand_surface.h"
 
 static const MpmParameter parameters[] = {
   {MPM_NUMBER, "density", "kg/m3", 0., 0, 0., HUGE_VAL, 0, "mass per initial volume", NULL, 2000., NULL},
@@ -92,147 +75,8 @@ static const MpmStateVariable states[] = {{"elastic_left_cauchy_green", MPM_STAT
                                           {"equivalent_plastic_strain", MPM_STATE_SCALAR, 0., "-"}};
 
 #define CRITICAL_PRESSURE 1e3  /* Pa, at which v_c0 is that of the critical state */
-#define LIMIT_SLOPE       3.5  /* -alpha beta: what ties the most dilation to psi_i */
-#define POLE_MARGIN       0.1  /* 1 + N s below which the limit of the image pressure is continued */
-#define LARGEST_LOG       600. /* |ln p/p_ref| beyond which there is no answer */
 #define START_CUTS        50   /* bisections that find a start of the local problem where Newton finds none */
 #define NEAR_TIP          0.01 /* eta/M below which the local problem has e_s as an unknown */
-#define SERIES            0.05 /* below it the functions of N are summed as series */
-
-/* ---- functions that are smooth at N = 0 ---- */
-
-/* sum_k coefficient[k] x^k, k < count, and its derivative */
-MPM_FN void Polynomial(const double coefficient[], int count, double x, double *f, double *slope)
-{
-  *f     = coefficient[count - 1];
-  *slope = 0.;
-  for (int k = count - 2; k >= 0; --k) {
-    *slope = *slope * x + *f;
-    *f     = *f * x + coefficient[k];
-  }
-}
-
-/* expm1(u)/u */
-MPM_FN Dual GrowthFunction(Dual u)
-{
-  const double a[] = {1.,        1. / 2.,    1. / 6.,     1. / 24.,     1. / 120.,
-                      1. / 720., 1. / 5040., 1. / 40320., 1. / 362880., 1. / 3628800.};
-  const double x   = DualValue(u);
-  double       f, slope;
-
-  if (fabs(x) < SERIES) {
-    Polynomial(a, (int)MPM_ROWS(a), x, &f, &slope);
-  } else {
-    const double growth = expm1(x);
-
-    f     = growth / x;
-    slope = (growth + 1. - f) / x;
-  }
-  return DualChain(u, f, slope);
-}
-
-/* log1p(u)/u */
-MPM_FN Dual LogFunction(Dual u)
-{
-  const double a[] = {1.,       -1. / 2., 1. / 3.,   -1. / 4., 1. / 5.,   -1. / 6., 1. / 7.,
-                      -1. / 8., 1. / 9.,  -1. / 10., 1. / 11., -1. / 12., 1. / 13., -1. / 14.};
-  const double x   = DualValue(u);
-  double       f, slope;
-
-  if (fabs(x) < SERIES) {
-    Polynomial(a, (int)MPM_ROWS(a), x, &f, &slope);
-  } else {
-    f     = log1p(x) / x;
-    slope = (1. / (1. + x) - f) / x;
-  }
-  return DualChain(u, f, slope);
-}
-
-/* ---- the model, in y = ln(p/-p_ref) and L = ln(p/p_i) ---- */
-
-/* Data of a step */
-typedef struct {
-  const MpmLawPoint *point;
-  Real               log_image; /* ln(p_i/-p_ref) at the step's start */
-  Real               line;      /* psi_i - v - lambda ln(p_i/p_ref) */
-} Step;
-
-/* df/dp */
-MPM_FN Dual Dilatancy(const Real *parameter, Dual L)
-{
-  const Real rest = 1. - parameter[CURVATURE];
-
-  return DualScale(-parameter[CRITICAL_RATIO] / rest,
-                   DualMul(L, GrowthFunction(DualScale(parameter[CURVATURE] / rest, L))));
-}
-
-/* eta of df/dp */
-MPM_FN Dual StressRatio(const Real *parameter, Dual dilatancy)
-{
-  return DualShift(DualScale(1. - parameter[CURVATURE], dilatancy), parameter[CRITICAL_RATIO]);
-}
-
-/* L where eta = 0: where the yield surface meets the axis of pressure */
-MPM_FN Dual TipRatio(const Real *parameter)
-{
-  return LogFunction(DualConstant(parameter[CURVATURE] / (1. - parameter[CURVATURE])));
-}
-
-/* ln(p_l/p) */
-MPM_FN Dual LimitRatio(const Step *step, Dual v, Dual log_image)
-{
-  const Real *parameter = step->point->parameter, N = parameter[CURVATURE];
-  const Dual  psi    = DualShift(DualAdd(v, DualScale(parameter[LAMBDA], log_image)), step->line);
-  const Dual  s      = DualScale(LIMIT_SLOPE / (parameter[BETA] * parameter[CRITICAL_RATIO]), psi);
-  const Dual  scaled = DualScale(N, s);
-
-  if (1. + DualValue(scaled) > POLE_MARGIN) return DualScale(N - 1., DualMul(s, LogFunction(scaled)));
-  {
-    const Real power = (N - 1.) / N; /* N is not 0 here */
-    const Dual below = DualShift(DualScale(1. / POLE_MARGIN, DualShift(scaled, 1.)), -1.);
-
-    return DualShift(DualLog1p(DualScale(power, below)), power * log(POLE_MARGIN));
-  }
-}
-
-/* Inputs: e_v and e_s of the trial state, v at the step's end */
-enum { IN_VOLUME, IN_SHEAR, IN_V, INPUTS };
-
-/* ln(p_i,n/p_i + h dg p_l/p_i) - ln(1 + h dg) = ln(p_i,n/p_i) + ln(1 + h dg/(1 + h dg) (p_l/p_i,n - 1)) */
-MPM_FN Dual HardeningResidual(const Step *step, Dual v, Dual dg, Dual y, Dual L)
-{
-  const Dual grown = DualScale(step->point->parameter[HARDENING], dg), z = DualSub(y, L);
-  const Dual before = DualShift(DualNeg(z), step->log_image);
-  const Dual drawn  = DualSub(DualAdd(L, LimitRatio(step, v, z)), before); /* ln(p_l/p_i,n) */
-  const Dual weight = DualDiv(grown, DualShift(grown, 1.));
-
-  if (DualValue(drawn) > LARGEST_LOG) return DualAdd(before, DualAdd(drawn, DualLog(weight)));
-  return DualAdd(before, DualLog1p(DualMul(weight, DualExpm1(drawn))));
-}
-
-/* y that the elastic volume strain has after plastic flow dg */
-MPM_FN Dual LogPressure(const Real *parameter, Dual volume, Dual dg, Dual dilatancy)
-{
-  const Dual plastic = DualScale(parameter[BETA], DualMul(dg, dilatancy));
-
-  return DualScale(1. / parameter[KAPPA], DualSub(plastic, volume));
-}
-
-/* e_s of a stress on the yield surface */
-MPM_FN Dual ShearOnSurface(const Real *parameter, Dual y, Dual dilatancy)
-{
-  return DualScale(parameter[REFERENCE_PRESSURE] / (3. * parameter[SHEAR]),
-                   DualMul(StressRatio(parameter, dilatancy), DualExp(y)));
-}
-
-/* L of a stress ratio eta, the inverse of StressRatio() */
-MPM_FN Dual RatioOnSurface(const Real *parameter, Dual eta)
-{
-  const Dual part = DualScale(1. / parameter[CRITICAL_RATIO], eta);
-  const Dual down = DualMul(part, LogFunction(DualScale(-parameter[CURVATURE], part)));
-
-  return DualSub(TipRatio(parameter), DualScale(1. - parameter[CURVATURE], down));
-}
 
 /* Common results of both pairs of unknowns */
 typedef struct {
@@ -576,7 +420,7 @@ static double TipLog(const double *parameter)
 {
   const double u = parameter[CURVATURE] / (1. - parameter[CURVATURE]);
 
-  return DualValue(LogFunction(DualConstant(u)));
+  return DualValue(DualLog1pRatio(DualConstant(u)));
 }
 
 /*

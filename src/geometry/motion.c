@@ -12,6 +12,7 @@
 #include "io/csv_table.h"
 #include "geometry/geometry.h"
 #include "geometry/motion.h"
+#include "geometry/rotations.h"
 
 #include <strings.h>
 
@@ -19,11 +20,13 @@
 #define DEGREE     (PETSC_PI / 180.)
 
 static const char *const columns[COMPONENTS] = {"ux", "uy", "uz", "rx", "ry", "rz"};
+static const char *const column_text[]       = {[2] = "ux, uy or rz", [3] = "ux, uy, uz, rx, ry or rz"};
 
 /* True where the plane has this component. */
 static PetscBool InPlane(PetscInt dim, PetscInt component)
 {
-  return (PetscBool)(dim == 3 || component < 2 || component == COMPONENTS - 1);
+  if (component < MPM_MAX_DIM) return (PetscBool)(component < dim);
+  return (PetscBool)(component - MPM_MAX_DIM >= MpmRotationAxis(dim, 0));
 }
 
 /* A slip in a column's name would leave its component at zero. */
@@ -42,11 +45,10 @@ static PetscErrorCode CheckNames(const MpmCsvTable *table, PetscInt dim, char me
     }
     if (!known)
       PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "column %.40s is unknown: must be time, %s", table->name[c],
-                              dim == 2 ? "ux, uy or rz" : "ux, uy, uz, rx, ry or rz"));
+                              column_text[dim]));
   }
   if (!found && !message[0])
-    PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no column that moves anything: %s",
-                            dim == 2 ? "ux, uy or rz" : "ux, uy, uz, rx, ry or rz"));
+    PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no column that moves anything: %s", column_text[dim]));
   if (!table->rows && !message[0]) PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no rows"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -122,7 +124,7 @@ static PetscErrorCode CheckAlone(const MpmOptions *block)
 PetscErrorCode MpmMotionRead(const MpmOptions *block, PetscInt dim, MpmMotion *motion)
 {
   const PetscBool help = MpmOptionsHelp();
-  PetscReal      *turn = &motion->rotation[dim == 3 ? 0 : MPM_MAX_DIM - 1];
+  PetscReal      *turn = &motion->rotation[MpmRotationAxis(dim, 0)];
   char           *table;
 
   PetscFunctionBeginUser;
@@ -130,7 +132,7 @@ PetscErrorCode MpmMotionRead(const MpmOptions *block, PetscInt dim, MpmMotion *m
                             dim, motion->translation, NULL));
   PetscCall(MpmOptionsReals(block, "rotation", "degrees",
                             "rotation in total: about z in 2D, its axis times its angle in 3D", MPM_RANGE_ANY,
-                            MPM_OPTIONAL, dim == 3 ? 3 : 1, turn, NULL));
+                            MPM_OPTIONAL, MpmRotationCount(dim), turn, NULL));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) motion->rotation[a] *= DEGREE;
   PetscCall(MpmOptionsReals(block, "pivot", "m",
                             "place about which it turns, before the motion; the middle of the shape if absent",

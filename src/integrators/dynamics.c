@@ -210,15 +210,10 @@ static PetscErrorCode SetMass(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Coefficients of the stage's method. */
-typedef struct {
-  PetscReal beta, gamma, alpha_m, alpha_f;
-} Method;
-
-static Method MethodOf(const MpmModel model)
+MpmTimeMethod MpmTimeMethodOf(const MpmModel model)
 {
   const MpmMotionControl *motion = MpmModelMotion(model);
-  Method                  method = {.beta = motion->beta, .gamma = motion->gamma};
+  MpmTimeMethod           method = {.beta = motion->beta, .gamma = motion->gamma};
 
   if (motion->type == MPM_NEWMARK && model->state.scheme.met) method.alpha_m = method.alpha_f = 1. - motion->gamma;
   if (motion->type == MPM_GENERALIZED_ALPHA) {
@@ -233,7 +228,7 @@ static Method MethodOf(const MpmModel model)
 }
 
 /* Velocity and acceleration from the displacement. */
-static void SetRates(MpmModel model, const Method *method, PetscReal dt)
+static void SetRates(MpmModel model, const MpmTimeMethod *method, PetscReal dt)
 {
   MpmDynamics    *dynamics = model->state.scheme.dynamics;
   const PetscBool euler    = (PetscBool)(MpmModelMotion(model)->type == MPM_BACKWARD_EULER);
@@ -250,7 +245,7 @@ static void SetRates(MpmModel model, const Method *method, PetscReal dt)
 }
 
 /* The inertia and the damping that follow. */
-static PetscErrorCode SetForces(MpmModel model, const Method *method)
+static PetscErrorCode SetForces(MpmModel model, const MpmTimeMethod *method)
 {
   MpmDynamics    *dynamics = model->state.scheme.dynamics;
   MpmInertia     *inertia  = model->disc.context.inertia;
@@ -370,18 +365,18 @@ static PetscErrorCode KeepLoads(MpmModel model, PetscReal time, PetscReal alpha_
 
 /* The space, loads and solver of a step, and by which method it is taken: that depends on whether contact is near. */
 static PetscErrorCode PrepareStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool first, PetscBool again,
-                                  Method *method, MpmOutcome *outcome)
+                                  MpmTimeMethod *method, MpmOutcome *outcome)
 {
   PetscReal before;
 
   PetscFunctionBeginUser;
   if (first) model->state.scheme.met = PETSC_FALSE;
-  *method = MethodOf(model);
+  *method = MpmTimeMethodOf(model);
   before = model->state.scheme.load_at_start = first ? 1. : method->alpha_f;
   PetscCall(MpmStepPrepare(model, time, dt, again, outcome));
   if (outcome->code || !MpmTermsNear(model->disc.terms, MPM_TERM_CONTACT)) PetscFunctionReturn(PETSC_SUCCESS);
   model->state.scheme.met = PETSC_TRUE;
-  *method                 = MethodOf(model);
+  *method                 = MpmTimeMethodOf(model);
   if (method->alpha_f == before || first) PetscFunctionReturn(PETSC_SUCCESS);
   model->state.scheme.load_at_start = method->alpha_f;
   PetscCall(MpmStepPrepare(model, time, dt, PETSC_TRUE, outcome));
@@ -391,7 +386,7 @@ static PetscErrorCode PrepareStep(MpmModel model, PetscReal time, PetscReal dt, 
 static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
 {
   const PetscBool first = (PetscBool)(model->state.dt_last == 0. && MpmModelMotion(model)->type != MPM_BACKWARD_EULER);
-  Method          method;
+  MpmTimeMethod   method;
 
   PetscFunctionBeginUser;
   Stop(model);
@@ -447,68 +442,6 @@ static PetscErrorCode Solve(MpmModel model, MpmOutcome *outcome)
   return MpmIntegratorQuasistatic.solve(model, outcome);
 }
 
-/*
-  Change of the points' accelerations in the step, at the owned nodes, as resolved by the points: M^-1 M_c a_new less
-  the points', weighted by mass. Motion of nodes on the scale of cells, which points hardly resolve and do not carry on
-  to the next step, does not count: shorter steps do not reduce it. Bodies have no points: there it is a_new - a.
-*/
-static PetscErrorCode FindChange(MpmModel model, PetscReal change[])
-{
-  const PetscInt  dim = model->disc.dim, extra = dim * model->disc.space->extra.begin;
-  const PetscBool euler    = (PetscBool)(MpmModelMotion(model)->type == MPM_BACKWARD_EULER);
-  MpmDynamics    *dynamics = model->state.scheme.dynamics;
-  PetscReal      *a        = dynamics->a_new, *mass;
-
-  PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < dynamics->local * dim; k++)
-    a[k] = dynamics->a_factor * model->disc.nodal.u[k] + dynamics->a_rest[k];
-  PetscCall(MpmMotionFeel(model->disc.sum, a, change));
-  for (PetscInt k = 0; k < model->disc.context.inertia->owned * dim; k++) {
-    if (k >= extra) change[k] = a[k] - (euler ? 0. : dynamics->a_start[k]);
-    else
-      change[k] *=
-        model->disc.context.inertia->mass[k / dim] > 0. ? 1. / model->disc.context.inertia->mass[k / dim] : 0.;
-  }
-  if (euler) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(dynamics->local, &mass));
-  PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, mass, dynamics->v_new, a));
-  for (PetscInt k = 0; k < PetscMin(model->disc.context.inertia->owned * dim, extra); k++) change[k] -= a[k];
-  PetscCall(PetscFree(mass));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-  Error of the step's displacement if the acceleration goes on changing as it has, per length of the step, over the
-  largest velocity of the stage; norms are weighted by mass. Source: Zienkiewicz, Xie (1991), Earthq. Eng. Struct. Dyn.
-  20, 871-887, doi:10.1002/eqe.4290200907.
-*/
-static PetscErrorCode Error(MpmModel model, PetscReal *estimate)
-{
-  const MpmDynamics *dynamics = model->state.scheme.dynamics;
-  const PetscBool    euler    = (PetscBool)(MpmModelMotion(model)->type == MPM_BACKWARD_EULER);
-  const PetscReal    by = euler ? 0.5 : MethodOf(model).beta - 1. / 6., dt = model->disc.sum->dt;
-  const PetscInt     dim     = model->disc.dim;
-  PetscReal          sums[2] = {0., 0.}, *largest = &model->state.scheme.trial;
-  PetscReal         *change;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((model->disc.context.inertia->owned * dim), &change));
-  PetscCall(FindChange(model, change));
-  for (PetscInt k = 0; k < model->disc.context.inertia->owned * dim; k++) {
-    const PetscReal v = dynamics->v_factor * model->disc.nodal.u[k] + dynamics->v_rest[k];
-    const PetscReal e = by * dt * change[k];
-
-    if (!MpmConstraintsFree(model->disc.constraints, k)) continue;
-    sums[0] += model->disc.context.inertia->mass[k / dim] * e * e;
-    sums[1] += model->disc.context.inertia->mass[k / dim] * v * v;
-  }
-  PetscCall(PetscFree(change));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPIU_SUM, model->comm));
-  *largest  = PetscMax(model->state.scheme.largest, PetscSqrtReal(sums[1]));
-  *estimate = *largest > 0. ? PetscSqrtReal(sums[0]) / *largest : 0.;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Points take velocity and acceleration before they move. */
 static PetscErrorCode Accept(MpmModel model)
 {
@@ -549,6 +482,6 @@ const MpmIntegrator MpmIntegratorImplicit = {.name      = "implicit dynamics",
                                              .begin     = Begin,
                                              .predict   = Predict,
                                              .solve     = Solve,
-                                             .error     = Error,
+                                             .error     = MpmDynamicsError,
                                              .accept    = Accept,
                                              .roll_back = RollBack};

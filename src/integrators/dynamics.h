@@ -25,6 +25,15 @@ struct MpmDynamics {
   PetscReal *moves; /* of explicit steps: the points' velocities, m/s */
 };
 
+/* Coefficients of a method with inertia. */
+typedef struct {
+  PetscReal beta, gamma, alpha_m, alpha_f;
+} MpmTimeMethod;
+
+/* Coefficients of the stage's method. */
+MpmTimeMethod MpmTimeMethodOf(const MpmModel model);
+/* Error of an implicit step (dynamics_error.c), as in MpmIntegrator. */
+PetscErrorCode MpmDynamicsError(MpmModel model, PetscReal *estimate);
 /* Damping of the stage under way; SetTime() of a stage calls it. */
 void MpmDynamicsSetStage(MpmModel model);
 /* As a stage begins: points that come to it from one without inertia are at rest. */

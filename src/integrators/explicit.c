@@ -19,7 +19,6 @@
   Bardenhagen (2002), J. Comput. Phys. 180, 383-403, doi:10.1006/jcph.2002.7103 (usf, usl).
 */
 #include "point/layout.h"
-#include "point/material.h"
 #include "grid/grid.h"
 #include "grid/shape.h"
 #include "particles/particles.h"
@@ -41,11 +40,9 @@
 #include "step/energy.h"
 #include "step/step.h"
 #include "integrators/dynamics.h"
+#include "integrators/explicit.h"
 #include "integrators/integrators.h"
 #include "integrators/relaxation.h"
-
-#define LIGHT        1e-2 /* of the mass of the lightest material in a cell: lower bound of nodal masses, */
-#define LIGHT_AFFINE 0.25 /* and for affine velocities: a step of cfl 1 is then stable */
 
 /* For how long forces act in the step, s. */
 static PetscReal KickLength(const MpmModel model)
@@ -101,51 +98,6 @@ static PetscErrorCode Predict(MpmModel model)
   PetscFunctionBeginUser;
   model->solver.iterations.newton = model->solver.iterations.linear = 0;
   model->disc.trial->made                                           = PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Prescribed unknowns take the velocities that bring them to their places. */
-static void Prescribe(const MpmModel model, PetscReal velocity[])
-{
-  const MpmConstraints *constraints = model->disc.constraints;
-  const PetscInt        dim = model->disc.dim, local = model->disc.space->local;
-  const PetscReal       dt = model->disc.sum->dt;
-
-  if (!constraints->any) return;
-  MpmFramesToUnknowns(constraints, dim, local, velocity);
-  for (PetscInt k = 0; k < local * dim; k++)
-    if (!MpmConstraintsFree(constraints, k)) velocity[k] = constraints->value[k] / dt;
-  MpmFramesToAxes(constraints, dim, local, velocity);
-}
-
-/* Prescribed velocities at a time. */
-static PetscErrorCode PrescribeAt(MpmModel model, PetscReal time, PetscReal velocity[])
-{
-  const MpmConstraints *constraints = model->disc.constraints;
-  const PetscInt        dim = model->disc.dim, local = model->disc.space->local;
-  const PetscReal       by =
-    model->disc.sum->span / model->disc.sum->dt; /* the run's time goes on as fast; 1: it is the motion's */
-  PetscReal *rate;
-
-  PetscFunctionBeginUser;
-  if (!MpmStepPrescribes(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((local * dim), &rate));
-  PetscCall(MpmStepPrescribedRate(model, time, 1, rate));
-  MpmFramesToUnknowns(constraints, dim, local, velocity);
-  for (PetscInt k = 0; k < local * dim; k++)
-    if (!MpmConstraintsFree(constraints, k)) velocity[k] = by * rate[k];
-  MpmFramesToAxes(constraints, dim, local, velocity);
-  PetscCall(PetscFree(rate));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Prescribed velocities before the step; the change from there is the reaction. */
-static PetscErrorCode PrescribeStart(MpmModel model, PetscReal velocity[])
-{
-  const PetscReal behind = MpmModelRelaxes(model) ? 0.5 * model->disc.sum->span : model->state.scheme.behind;
-
-  PetscFunctionBeginUser;
-  PetscCall(PrescribeAt(model, model->state.time - behind, velocity));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -214,7 +166,7 @@ static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
   PetscFunctionBeginUser;
   if (first || !IsPlain(model)) {
     PetscCall(MpmMomentumToNodes(model->disc.sum, transfer, mass, dynamics->v_old, NULL));
-    PetscCall(PrescribeStart(model, dynamics->v_old));
+    PetscCall(MpmExplicitPrescribeStart(model, dynamics->v_old));
     if (first) DisplaceLast(model, dynamics->v_old, model->disc.trial->u);
     else PetscCall(PetscArrayzero(model->disc.trial->u, local * dim));
     PetscCall(EvaluatePoints(model, model->disc.trial->u, (PetscBool)!first, force, outcome));
@@ -224,7 +176,8 @@ static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
   } else {
     PetscCall(PetscArraycpy(force, model->disc.nodal.force, local * dim));
     PetscCall(MpmMotionToNodes(model->disc.sum, transfer, mass, dynamics->v_old, force));
-    PetscCall(PrescribeStart(model, dynamics->v_old)); /* velocities of supports do not come from the points */
+    PetscCall(
+      MpmExplicitPrescribeStart(model, dynamics->v_old)); /* velocities of supports do not come from the points */
   }
   for (PetscInt i = 0; i < local; i++)
     for (PetscInt a = 0; a < dim; a++) force[i * dim + a] += mass[i] * model->disc.sum->gravity[a];
@@ -255,88 +208,7 @@ static void Accelerate(MpmModel model, PetscReal kick, const PetscReal force[])
 
     dynamics->v_new[k] = dynamics->v_old[k] + by * force[k];
   }
-  Prescribe(model, dynamics->v_new);
-}
-
-/*
-  Nearly massless nodes. A domain that reaches by a distance d into a cell gives a node there a mass proportional to d^2
-  and forces proportional to d: its velocity has no bound as d goes to 0. The points take little of that, and the node's
-  next velocity is theirs again. A face at the domain's end, however, has a weight proportional to d there, and would
-  seem to slip, step by step, by the difference of the stress in the domain and the friction on the face. Other terms
-  than the points' therefore see a free node's change since the step's start with at least this mass, kg. The forces,
-  and with them momentum, are unchanged.
-*/
-static PetscReal LeastMass(const MpmModel model, PetscReal part)
-{
-  PetscReal least = PETSC_MAX_REAL;
-
-  for (PetscInt m = 0; m < model->scene.materials->count; m++)
-    least = PetscMin(least, part * model->scene.materials->at[m].density);
-  for (PetscInt a = 0; a < model->disc.dim; a++) least *= model->disc.grid->h[a];
-  return least * MpmGridTurn(model->disc.grid, model->disc.grid->lower[0] + 0.5 * model->disc.grid->h[0]);
-}
-
-static PetscBool IsLinear(const MpmModel model)
-{
-  return (PetscBool)(!MpmShapeHasDomain(model->scene.shape) && MpmShapeDegree(model->scene.shape) < 2);
-}
-
-/*
-  Light nodes whose gradients do not fall with their mass: all of linear functions; of other shapes those of points on
-  an edge of the grid. Such a node, of mass m, that one point touches vibrates with (c/h) sqrt(rho h^dim/m), faster than
-  steps can follow, where the point takes its gradient unchanged: in the affine velocity, and in the stress of usl. The
-  point's momentum is kept.
-*/
-static PetscBool HasLightNodes(const MpmModel model)
-{
-  const PetscReal *mass = model->disc.context.inertia->mass, least = LeastMass(model, LIGHT_AFFINE);
-
-  if (IsLinear(model)) return PETSC_TRUE;
-  for (PetscInt i = 0; i < model->disc.space->local; i++)
-    if (mass[i] < least && mass[i] > 0.) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-/* Displacement of a step with nodal mass bounded below, dt times the velocities, or with dt = 1 of these. */
-static void Quieten(const MpmModel model, PetscReal light, PetscReal dt, PetscReal u[])
-{
-  const MpmConstraints *constraints = model->disc.constraints;
-  const PetscReal      *mass = model->disc.context.inertia->mass, *v_old = model->state.scheme.dynamics->v_old;
-  const PetscInt        dim   = model->disc.dim;
-  const PetscReal       least = LeastMass(model, light);
-
-  for (PetscInt k = 0; k < model->disc.space->local * dim; k++) {
-    const PetscReal part = mass[k / dim] / least;
-
-    if (part < 1. && MpmConstraintsFree(constraints, k)) u[k] = part * u[k] + (1. - part) * dt * v_old[k];
-  }
-}
-
-/* Displacement for gradients: the velocity change of light nodes beside the free fall of all is limited, after an
-   increment. */
-static void QuietenGradients(const MpmModel model, PetscReal kick, PetscReal dt, PetscReal u[])
-{
-  const PetscInt dim = model->disc.dim, count = model->disc.space->local * dim;
-
-  for (PetscInt k = 0; k < count; k++) u[k] -= dt * kick * model->disc.sum->gravity[k % dim];
-  Quieten(model, LIGHT_AFFINE, dt, u);
-  for (PetscInt k = 0; k < count; k++) u[k] += dt * kick * model->disc.sum->gravity[k % dim];
-}
-
-/* How stiff contact may be, by the masses that it sees. */
-static PetscErrorCode LimitContact(MpmModel model, PetscReal dt)
-{
-  const PetscReal least = LeastMass(model, LIGHT);
-  PetscReal      *mass;
-
-  PetscFunctionBeginUser;
-  if (!(MpmTermsTraits(model->disc.terms) & MPM_TERM_CONTACT)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(model->disc.space->local, &mass));
-  for (PetscInt i = 0; i < model->disc.space->local; i++)
-    mass[i] = model->disc.context.inertia->mass[i] > 0. ? PetscMax(model->disc.context.inertia->mass[i], least) : 0.;
-  PetscCall(MpmTermsLimit(model->disc.terms, model->disc.sum, mass, dt));
-  PetscCall(PetscFree(mass));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MpmExplicitPrescribe(model, dynamics->v_new);
 }
 
 /* Adds to `force` the other terms' forces at the displacement that the step would have without them, which stays in
@@ -351,14 +223,14 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   PetscInt        failed = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(LimitContact(model, dt));
+  PetscCall(MpmLightNodesLimitContact(model, dt));
   if (MpmDampingAny(model->disc.context.damping)) {
     PetscCall(
       MpmDampingSet(model->disc.context.damping, model->disc.space, model->disc.context.inertia, 0., dynamics->v_old));
     model->disc.context.damping->active = PETSC_TRUE;
   }
   Displace(model, dynamics->v_new, dynamics->a_start);
-  Quieten(model, LIGHT, model->disc.sum->dt, dynamics->a_start);
+  MpmLightNodesLimit(model, model->disc.sum->dt, dynamics->a_start);
   PetscCall(PetscArrayzero(other, count));
   PetscCall(MpmTermsResidualRest(model->disc.terms, model->disc.sum, dynamics->a_start, other, &failed));
   PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.dim, other));
@@ -444,9 +316,9 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *agai
   }
   if (again) PetscCall(PetscArrayzero(again, count));
   if (MpmModelMotion(model)->transfer.type == MPM_TRANSFER_APIC && MpmShapeDegree(model->scene.shape) < 2 &&
-      HasLightNodes(model)) {
+      MpmLightNodesExist(model)) {
     PetscCall(PetscArraycpy(dynamics->a_rest, dynamics->v_new, count));
-    QuietenGradients(model, kick, 1., dynamics->a_rest);
+    MpmLightNodesLimitGradients(model, kick, 1., dynamics->a_rest);
     step.affine = dynamics->a_rest;
     step.thin   = MpmShapeHasDomain(model->scene.shape);
   }
@@ -456,7 +328,7 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *agai
   PetscCall(MpmSpaceToGhosts(model->disc.space, dim, again));
   for (PetscInt i = 0; i < model->disc.space->local; i++)
     for (PetscInt a = 0; a < dim; a++) again[i * dim + a] = mass[i] > 0. ? again[i * dim + a] / mass[i] : 0.;
-  Prescribe(model, again);
+  MpmExplicitPrescribe(model, again);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -466,7 +338,8 @@ static PetscErrorCode UpdateStress(MpmModel model, const PetscReal *again, MpmOu
   PetscFunctionBeginUser;
   if (MpmModelMotion(model)->update == MPM_UPDATE_USF) PetscFunctionReturn(PETSC_SUCCESS);
   Displace(model, again ? again : model->state.scheme.dynamics->v_new, model->disc.trial->u);
-  if (!again && IsLinear(model)) QuietenGradients(model, KickLength(model), model->disc.sum->dt, model->disc.trial->u);
+  if (!again && MpmExplicitIsLinear(model))
+    MpmLightNodesLimitGradients(model, KickLength(model), model->disc.sum->dt, model->disc.trial->u);
   PetscCall(EvaluatePoints(model, model->disc.trial->u, PETSC_FALSE, NULL, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -532,7 +405,7 @@ static PetscErrorCode AddWork(MpmModel model, PetscReal kick, MpmStepWork *work)
     work->part = kick / model->disc.sum->dt;
     for (PetscInt k = 0; k < work->local * dim; k++)
       of->v_start[k] = 0.5 * model->disc.sum->dt * (of->v_old[k] + of->v_new[k]);
-    Quieten(model, LIGHT, model->disc.sum->dt, of->v_start);
+    MpmLightNodesLimit(model, model->disc.sum->dt, of->v_start);
     for (PetscInt k = 0; damping->active && k < work->owned * dim; k++) /* besides that of the velocities before */
       work->taken += 0.5 * damping->dashpot[k] * (of->v_new[k] - of->v_old[k]) * of->v_start[k];
   }
@@ -576,7 +449,7 @@ static PetscErrorCode Accept(MpmModel model)
   sum->trial = NULL;
   if (HasOthers(model)) {
     Displace(model, dynamics->v_new, dynamics->v_start);
-    Quieten(model, LIGHT, sum->dt, dynamics->v_start);
+    MpmLightNodesLimit(model, sum->dt, dynamics->v_start);
     MpmTermsArrive(model->disc.terms, dynamics->v_start);
   }
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
@@ -621,7 +494,7 @@ static PetscErrorCode CatchUp(MpmModel model)
   if (!outcome.code) PetscCall(FindForces(model, &outcome));
   if (!outcome.code) {
     Accelerate(model, behind, model->disc.nodal.residual);
-    PetscCall(PrescribeAt(model, model->state.time, dynamics->v_new));
+    PetscCall(MpmExplicitPrescribeAt(model, model->state.time, dynamics->v_new));
     FindSupports(model, behind);
     Displace(model, dynamics->v_new, model->disc.nodal.u);
     work.u = model->disc.nodal.u;

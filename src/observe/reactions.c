@@ -6,7 +6,7 @@
 #include "point/layout.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
-#include "rigid/rotations.h"
+#include "geometry/rotations.h"
 #include "contact/contact.h"
 #include "contact/rigid_body.h"
 #include "loads/body_surface.h"

@@ -21,7 +21,7 @@
 #include "grid/grid.h"
 #include "space/space.h"
 #include "space/sum.h"
-#include "rigid/rotations.h"
+#include "geometry/rotations.h"
 #include "pairs/body_contact.h"
 
 #define TURNS 0.01 /* of a cell squared: a smaller J says nothing of a turn */

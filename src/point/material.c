@@ -1,6 +1,5 @@
 /*
-  The materials of a scene, and the registry of the constitutive laws that were compiled in: the build scans materials/
-  and lists every law's constructor, once per kernel instance, in mpm_laws.h.
+  The materials of a scene.
 */
 #include "options/options.h"
 #include "point/material.h"
@@ -9,112 +8,10 @@
 #include "point/parameter.h"
 #include "point/registry.h"
 
-#define MPM_LAW_INSTANCE(name, kinematics, kind, instance, form) \
-  void MpmMaterialCreate_##name##_##kind##_##instance(MpmLawInfo *info);
-#include "mpm_laws.h"
-#undef MPM_LAW_INSTANCE
-
-static const MpmLawInstance laws[] = {
-#define MPM_LAW_INSTANCE(name, kinematics, kind, instance, form) \
-  {#name, kinematics, form, MpmMaterialCreate_##name##_##kind##_##instance},
-#include "mpm_laws.h"
-#undef MPM_LAW_INSTANCE
-};
-
-/* All instances, those compiled in and those registered; NULL behind the last. */
-static const MpmLawInstance *Instance(PetscInt k)
-{
-  const PetscInt own = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(laws);
-
-  return k < own ? &laws[k] : MpmLawRegistered(k - own);
-}
-
-/* The next law from `k` on, one instance for each. */
-static const MpmLawInstance *NextLaw(PetscInt *k)
-{
-  for (const MpmLawInstance *law = Instance((*k)++); law; law = Instance((*k)++))
-    if (law->kinematics == MPM_SPATIAL && law->form == MPM_FORM_RESIDUAL) return law;
-  return NULL;
-}
-
-PetscBool MpmLawFind(const char *name, PetscInt kinematics, MpmForm form, MpmLawInfo *info)
-{
-  const MpmLawInstance *law;
-
-  for (PetscInt k = 0; (law = Instance(k)); k++) {
-    if (law->kinematics == kinematics && law->form == form && !strcmp(law->name, name)) {
-      law->create(info);
-      return PETSC_TRUE;
-    }
-  }
-  return PETSC_FALSE;
-}
-
-PetscBool MpmLawFindAll(const char *name, PetscInt kinematics, MpmFunction law[], MpmLawInfo *info)
-{
-  for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
-    if (!MpmLawFind(name, kinematics, (MpmForm)form, info)) return PETSC_FALSE;
-    law[form] = info->law;
-  }
-  return MpmLawFind(name, kinematics, MPM_FORM_RESIDUAL, info);
-}
-
 PetscInt MpmStateComponents(const MpmStateVariable *variable, PetscInt dim)
 {
   if (variable->kind == MPM_STATE_VECTOR) return dim;
   return variable->kind == MPM_STATE_SCALAR ? 1 : MpmSymSize(dim);
-}
-
-/* The names of all laws, NULL-terminated; free the array only. */
-static PetscErrorCode LawNames(const char ***names)
-{
-  const MpmLawInstance *law;
-  PetscInt              count = 0, k = 0;
-
-  PetscFunctionBeginUser;
-  while (NextLaw(&k)) count++;
-  PetscCall(PetscCalloc1((count + 1), names));
-  count = k = 0;
-  while ((law = NextLaw(&k))) {
-    MpmLawInfo info;
-
-    law->create(&info);
-    if (!(info.traits & MPM_LAW_INTERNAL)) (*names)[count++] = law->name;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* For -help: every law with its own parameters. */
-static PetscErrorCode PrintLaws(const MpmOptions *block)
-{
-  const MpmOptions unrecorded = {block->comm, block->prefix, NULL}; /* laws share parameters: each is printed again */
-  const MpmOptions body       = {block->comm, "mpm_body_NAME_", NULL};
-  const MpmLawInstance *law;
-  PetscInt              k = 0;
-  char                  title[256];
-
-  PetscFunctionBeginUser;
-  while ((law = NextLaw(&k))) {
-    MpmLawInfo  info;
-    MpmLawTable table;
-    double      unused;
-
-    law->create(&info);
-    if (info.traits & MPM_LAW_INTERNAL) continue;
-    PetscCall(PetscSNPrintf(title, sizeof(title), "Material of type %s: %s", info.name, info.summary));
-    PetscCall(MpmOptionsHeading(block, title));
-    for (size_t i = 0; i < info.parameter_count; i++) {
-      PetscCall(MpmParameterRead(&unrecorded, &info.parameters[i], &unused, &table));
-      PetscCall(PetscFree(table.value));
-    }
-    for (size_t v = 0; v < info.state_count; v++) {
-      char *text = NULL;
-
-      if (info.states[v].kind == MPM_STATE_SCALAR) PetscCall(MpmStateReadInitial(&body, &info.states[v], &text));
-      PetscCall(PetscFree(text));
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A parameter whose default may be the value of one that has been read */
@@ -405,7 +302,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_material_%s_", name));
   PetscCall(PetscStrallocpy(name, &material->name));
   PetscCall(MpmOptionsHeading(&block, "Material"));
-  PetscCall(LawNames(&names));
+  PetscCall(MpmLawNames(&names));
   PetscCall(MpmOptionsWord(&block, "type", "constitutive law", names, MPM_REQUIRED, &type, &given));
   PetscCheck(MpmLawFindAll(names[type], kinematics, material->law, &material->info), options->comm, PETSC_ERR_PLIB,
              "law %s is not compiled", names[type]);
@@ -414,7 +311,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->given));
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->table));
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->set));
-  if (!given) PetscCall(PrintLaws(&block));
+  if (!given) PetscCall(MpmLawPrintHelp(&block));
   for (size_t i = 0; given && i < material->info.parameter_count; i++)
     PetscCall(ReadParameter(&block, dim, (PetscInt)i, material));
   PetscCall(PetscArraycpy(material->given, material->parameter, material->info.parameter_count));

@@ -75,12 +75,16 @@ PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool
 
 MpmStretch MpmStretchFind(PetscInt dim)
 {
-  return dim == 2 ? MpmStretchDiagonal_2d_0 : MpmStretchDiagonal_3d_0;
+  static const MpmStretch stretch[] = {[2] = MpmStretchDiagonal_2d_0, [3] = MpmStretchDiagonal_3d_0};
+
+  return stretch[dim];
 }
 
 MpmStretch MpmStretchFindQuick(PetscInt dim)
 {
-  return dim == 2 ? MpmStretchQuick_2d_0 : MpmStretchQuick_3d_0;
+  static const MpmStretch stretch[] = {[2] = MpmStretchQuick_2d_0, [3] = MpmStretchQuick_3d_0};
+
+  return stretch[dim];
 }
 
 /* The shape of a field, among those of other fields. */

@@ -39,7 +39,7 @@ static PetscErrorCode TakeComponent(const MpmCsvTable *table, PetscInt dim, Pets
                                     char message[MPM_CSV_MESSAGE])
 {
   char      strain[16], stress[16];
-  PetscBool across = (PetscBool)(dim == 2 && (s == ZZ || s > XY));
+  PetscBool across = (PetscBool)(MpmSpacePairs[s][1] >= dim);
   PetscInt  e, t;
 
   PetscFunctionBeginUser;

@@ -1,5 +1,5 @@
 /*
-  Laws and physics that callers and plugins add to those that were compiled in.
+  Laws that were compiled in, and laws and physics that callers and plugins add.
 
   The registry is the process', as PETSc's own registries of types are: with the types of terms (term_types.c) and the
   note of a signal the only data of the engine that no model owns. Entries are only added, until PetscFinalize(), and
@@ -8,7 +8,7 @@
 #include <dlfcn.h>
 #include "talus/plugin.h"
 #include "options/options.h"
-#include "options/record.h"
+#include "point/parameter.h"
 #include "point/registry.h"
 
 static struct {
@@ -38,7 +38,11 @@ static PetscErrorCode Grow(size_t entry, PetscInt count, PetscInt more, void *ar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- laws ---- */
+/*
+  ---- laws ----
+
+  The build scans materials/ and lists the constructor of every law, once per kernel instance, in mpm_laws.h.
+*/
 
 const MpmLawInstance *MpmLawRegistered(PetscInt k)
 {
@@ -185,5 +189,111 @@ PetscErrorCode MpmPluginsLoad(const MpmOptions *options)
   }
   PetscCall(MpmNamesDestroy(count, &paths));
   PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  ---- laws ----
+
+  The build scans materials/ and lists the constructor of every law, once per kernel instance, in mpm_laws.h.
+*/
+
+#define MPM_LAW_INSTANCE(name, kinematics, kind, instance, form) \
+  void MpmMaterialCreate_##name##_##kind##_##instance(MpmLawInfo *info);
+#include "mpm_laws.h"
+#undef MPM_LAW_INSTANCE
+
+static const MpmLawInstance compiled[] = {
+#define MPM_LAW_INSTANCE(name, kinematics, kind, instance, form) \
+  {#name, kinematics, form, MpmMaterialCreate_##name##_##kind##_##instance},
+#include "mpm_laws.h"
+#undef MPM_LAW_INSTANCE
+};
+
+/* All instances, those compiled in and those registered; NULL behind the last. */
+static const MpmLawInstance *Instance(PetscInt k)
+{
+  const PetscInt own = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(compiled);
+
+  return k < own ? &compiled[k] : MpmLawRegistered(k - own);
+}
+
+/* The next law from `k` on, one instance for each. */
+static const MpmLawInstance *NextLaw(PetscInt *k)
+{
+  for (const MpmLawInstance *law = Instance((*k)++); law; law = Instance((*k)++))
+    if (law->kinematics == MPM_SPATIAL && law->form == MPM_FORM_RESIDUAL) return law;
+  return NULL;
+}
+
+PetscBool MpmLawFind(const char *name, PetscInt kinematics, MpmForm form, MpmLawInfo *info)
+{
+  const MpmLawInstance *law;
+
+  for (PetscInt k = 0; (law = Instance(k)); k++) {
+    if (law->kinematics == kinematics && law->form == form && !strcmp(law->name, name)) {
+      law->create(info);
+      return PETSC_TRUE;
+    }
+  }
+  return PETSC_FALSE;
+}
+
+PetscBool MpmLawFindAll(const char *name, PetscInt kinematics, MpmFunction law[], MpmLawInfo *info)
+{
+  for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
+    if (!MpmLawFind(name, kinematics, (MpmForm)form, info)) return PETSC_FALSE;
+    law[form] = info->law;
+  }
+  return MpmLawFind(name, kinematics, MPM_FORM_RESIDUAL, info);
+}
+
+PetscErrorCode MpmLawNames(const char ***names)
+{
+  const MpmLawInstance *law;
+  PetscInt              count = 0, k = 0;
+
+  PetscFunctionBeginUser;
+  while (NextLaw(&k)) count++;
+  PetscCall(PetscCalloc1((count + 1), names));
+  count = k = 0;
+  while ((law = NextLaw(&k))) {
+    MpmLawInfo info;
+
+    law->create(&info);
+    if (!(info.traits & MPM_LAW_INTERNAL)) (*names)[count++] = law->name;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLawPrintHelp(const MpmOptions *block)
+{
+  const MpmOptions unrecorded = {block->comm, block->prefix, NULL}; /* laws share parameters: each is printed again */
+  const MpmOptions body       = {block->comm, "mpm_body_NAME_", NULL};
+  const MpmLawInstance *law;
+  PetscInt              k = 0;
+  char                  title[256];
+
+  PetscFunctionBeginUser;
+  while ((law = NextLaw(&k))) {
+    MpmLawInfo  info;
+    MpmLawTable table;
+    double      unused;
+
+    law->create(&info);
+    if (info.traits & MPM_LAW_INTERNAL) continue;
+    PetscCall(PetscSNPrintf(title, sizeof(title), "Material of type %s: %s", info.name, info.summary));
+    PetscCall(MpmOptionsHeading(block, title));
+    for (size_t i = 0; i < info.parameter_count; i++) {
+      PetscCall(MpmParameterRead(&unrecorded, &info.parameters[i], &unused, &table));
+      PetscCall(PetscFree(table.value));
+    }
+    for (size_t v = 0; v < info.state_count; v++) {
+      char *text = NULL;
+
+      if (info.states[v].kind == MPM_STATE_SCALAR) PetscCall(MpmStateReadInitial(&body, &info.states[v], &text));
+      PetscCall(PetscFree(text));
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

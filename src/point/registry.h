@@ -13,6 +13,10 @@ PetscBool MpmLawFind(const char *name, PetscInt kinematics, MpmForm form, MpmLaw
   by steps point by point, take three times as long in the complex ones of the sensitivities.
 */
 PetscBool MpmLawFindAll(const char *name, PetscInt kinematics, MpmFunction law[], MpmLawInfo *info);
+/* The names of all laws for scenes, NULL-terminated; free the array only. */
+PetscErrorCode MpmLawNames(const char ***names);
+/* For -help: every law with its own parameters; `block`: of a material. */
+PetscErrorCode MpmLawPrintHelp(const MpmOptions *block);
 /* A built-in physics with its compiled kernels. */
 PetscErrorCode MpmPhysicsCreate(const char *name, MpmPhysics *physics, PetscBool *found);
 /* Appends the names of all physics for scenes. */

@@ -21,6 +21,9 @@
 /* Rows and columns of the components of a symmetric tensor, in the order xx, yy, zz, xy, yz, xz; 2D: xx, yy, xy. */
 static const PetscInt pairs_3d[SYM_MAX][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
 static const PetscInt pairs_2d[3][2]       = {{0, 0}, {1, 1}, {0, 1}};
+static const PetscInt (*const pairs[])[2]  = {[2] = pairs_2d, [3] = pairs_3d};
+/* Their places in a stress, which has zz in 2D too */
+static const PetscInt places[][SYM_MAX] = {[2] = {0, 1, 3}, [3] = {0, 1, 2, 3, 4, 5}};
 
 /* One evaluation of the law at H: its answer, and its derivatives. */
 typedef struct {
@@ -30,12 +33,12 @@ typedef struct {
 
 static PetscInt Components(const MpmInitial *initial)
 {
-  return initial->dim == 2 ? 3 : 6;
+  return initial->dim * (initial->dim + 1) / 2;
 }
 
 static const PetscInt (*Pairs(const MpmInitial *initial))[2]
 {
-  return initial->dim == 2 ? pairs_2d : pairs_3d;
+  return pairs[initial->dim];
 }
 
 static MpmKernelPoint Point(const MpmInitial *initial, const PetscReal identity[], const PetscReal state_n[])
@@ -342,12 +345,7 @@ int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscRe
                                                                                       reached[SYM_MAX];
   int moved;
 
-  if (initial->dim == 2) {
-    goal[0] = stress[0];
-    goal[1] = stress[1];
-    goal[2] = stress[3];
-  } else
-    for (PetscInt s = 0; s < size; s++) goal[s] = stress[s];
+  for (PetscInt s = 0; s < PetscMin(size, Components(initial)); s++) goal[s] = stress[places[initial->dim][s]];
   CopyState(initial->material, dim, initial->dim, state_n, before);
   if (initial->history) {
     Identity(initial->dim, full);

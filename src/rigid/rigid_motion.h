@@ -7,7 +7,7 @@
 #include "base/types.h"
 #include "rigid/facet.h"
 #include "rigid/rigid.h"
-#include "rigid/rotations.h"
+#include "geometry/rotations.h"
 
 /* Unknowns and loads of a body; about the reference point. */
 typedef struct MpmFreedom {

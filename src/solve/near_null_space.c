@@ -1,6 +1,7 @@
 /*
   Near null space of the Jacobian, for multigrid.
 */
+#include "geometry/rotations.h"
 #include "point/layout.h"
 #include "grid/grid.h"
 #include "space/space.h"
@@ -15,26 +16,33 @@ static void RigidMode(PetscInt dim, PetscInt k, const PetscReal x[], PetscScalar
   for (PetscInt a = 0; a < dim; a++) mode[a] = a == k ? 1. : 0.;
   if (k < dim) return;
   {
-    const PetscInt axis = dim == 2 ? 2 : k - dim, p = (axis + 1) % 3, q = (axis + 2) % 3;
+    const PetscInt axis = MpmRotationAxis(dim, k - dim), p = (axis + 1) % 3, q = (axis + 2) % 3;
 
     mode[p] = -x[q];
     mode[q] = x[p];
   }
 }
 
+/* Rigid body modes of the displacement, or none. */
+static PetscInt CountRigid(const MpmLayout *layout)
+{
+  const PetscBool rigid = (PetscBool)(layout->component[0].near_null == MPM_NEAR_NULL_RIGID);
+
+  return rigid ? layout->dim + MpmRotationCount(layout->dim) : 0;
+}
+
 /* Modes that the physics names for its fields: rigid body modes of the displacement, then constants of components. */
 static PetscInt CountModes(const MpmLayout *layout)
 {
-  PetscInt count = 0;
+  PetscInt count = CountRigid(layout);
 
-  if (layout->component[0].near_null == MPM_NEAR_NULL_RIGID) count = layout->dim == 2 ? 3 : 6;
   for (PetscInt c = 0; c < layout->block; c++) count += layout->component[c].near_null == MPM_NEAR_NULL_CONSTANT;
   return count;
 }
 
 static void SetMode(const MpmLayout *layout, PetscInt k, const PetscReal x[], PetscScalar mode[])
 {
-  const PetscInt rigid = layout->component[0].near_null != MPM_NEAR_NULL_RIGID ? 0 : layout->dim == 2 ? 3 : 6;
+  const PetscInt rigid = CountRigid(layout);
   PetscInt       at    = rigid;
 
   if (k < rigid) RigidMode(layout->dim, k, x, mode);
@@ -46,14 +54,14 @@ static void SetMode(const MpmLayout *layout, PetscInt k, const PetscReal x[], Pe
 static void SetOwnModes(const MpmSolver *solver, PetscInt k, PetscScalar values[])
 {
   const MpmSpace *space = solver->disc->space;
-  const PetscInt  dim = solver->disc->dim, bs = solver->disc->block;
+  const PetscInt  dim = solver->disc->dim, bs = solver->disc->block, rigid = CountRigid(solver->disc->layout);
   PetscReal       along[3] = {0., 0., 0.}, turn[3] = {0., 0., 0.};
 
-  if (k < dim) along[k] = 1.;
-  else turn[dim == 2 ? 2 : (k - dim) % 3] = 1.;
   for (PetscInt i = space->extra.begin; i < PetscMin(space->owned, space->extra.begin + space->extra.count); i++)
     for (PetscInt c = 0; c < bs; c++) values[i * bs + c] = 0.;
-  if (solver->disc->layout->component[0].near_null != MPM_NEAR_NULL_RIGID || k >= (dim == 2 ? 3 : 6)) return;
+  if (k >= rigid) return;
+  if (k < dim) along[k] = 1.;
+  else turn[MpmRotationAxis(dim, k - dim)] = 1.;
   MpmTermsMode(solver->disc->terms, solver->disc->sum, solver->disc->grid->lower, along, turn, values);
 }
 

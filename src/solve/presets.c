@@ -69,36 +69,38 @@ static PetscErrorCode ApplyPreset(const char *text)
   Measured over two steps and more, since points on the lattice make rows half as long as later (docs/solver.md has the
   table).
 */
-#define DIRECT_MOST_2D      1e6
-#define DIRECT_MOST_3D      5e3
-#define DIRECT_MOST_FBAR_3D 1e5
-#define DIRECT_MOST_PORO_2D 2e4
-#define DIRECT_MOST_PORO_3D 5e3
+static const struct {
+  PetscReal plain, fbar, poro;
+} direct_most[] = {
+  [2] = {.plain = 1e6, .fbar = 1e6, .poro = 2e4},
+  [3] = {.plain = 5e3, .fbar = 1e5, .poro = 5e3}, /* near incompressibility is hard for multigrid */
+};
 
 /* Choice of `auto`, and its reason. */
 static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const char **name)
 {
-  PetscReal most = solver->disc->dim == 2 ? DIRECT_MOST_2D : DIRECT_MOST_3D;
-  char      why[128];
+  const PetscInt dim  = solver->disc->dim;
+  PetscReal      most = direct_most[dim].plain;
+  char           why[128];
 
   PetscFunctionBeginUser;
   if (solver->disc->layout->traits.saddle) {
-    most = solver->disc->dim == 2 ? DIRECT_MOST_PORO_2D : DIRECT_MOST_PORO_3D;
+    most = direct_most[dim].poro;
     if (!MpmFieldsplitServes(solver->disc->layout)) most = PETSC_INFINITY;
     *name = unknowns <= most ? "direct" : "poro-fieldsplit";
     PetscCall(PetscSNPrintf(why, sizeof(why),
-                            "auto: %" PetscInt_FMT "D, a saddle point of about %.0f unknowns, direct up to %.0f",
-                            solver->disc->dim, (double)unknowns, (double)most));
+                            "auto: %" PetscInt_FMT "D, a saddle point of about %.0f unknowns, direct up to %.0f", dim,
+                            (double)unknowns, (double)most));
   } else if (solver->jacobian.form == MPM_JACOBIAN_MATFREE) {
     *name = "pbjacobi";
     PetscCall(PetscSNPrintf(why, sizeof(why), "auto: no matrix"));
   } else {
-    if (solver->disc->dim == 3 && solver->disc->layout->means)
-      most = DIRECT_MOST_FBAR_3D; /* near incompressibility is hard for multigrid */
+    const PetscBool fbar = (PetscBool)(solver->disc->layout->means && direct_most[dim].fbar > most);
+
+    if (fbar) most = direct_most[dim].fbar;
     *name = unknowns <= most ? "direct" : "amg";
-    PetscCall(PetscSNPrintf(
-      why, sizeof(why), "auto: %" PetscInt_FMT "D%s, about %.0f unknowns, direct up to %.0f", solver->disc->dim,
-      solver->disc->dim == 3 && solver->disc->layout->means ? " with F-bar" : "", (double)unknowns, (double)most));
+    PetscCall(PetscSNPrintf(why, sizeof(why), "auto: %" PetscInt_FMT "D%s, about %.0f unknowns, direct up to %.0f", dim,
+                            fbar ? " with F-bar" : "", (double)unknowns, (double)most));
   }
   PetscCall(PetscStrallocpy(why, &solver->preset.why));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -10,7 +10,7 @@
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
 #include "problem/discretization.h"
-#include "solve/pc_band.h"
+#include "precondition/pc_band.h"
 #include "solve/solve.h"
 
 const char *const MpmJacobianTypes[] = {"auto", "local", "coloring", "matfree", "dense", "fd", NULL};

@@ -19,7 +19,7 @@
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "problem/discretization.h"
-#include "solve/pc_band.h"
+#include "precondition/pc_band.h"
 #include "solve/solve.h"
 
 #define MODE_ITERATIONS  12

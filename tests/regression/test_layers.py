@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ROOT, Test  # noqa: E402
 
 LAYERS = ("base", "options", "io", "geometry", "point", "grid", "particles", "space", "transfer", "bc", "assembly", "points", "volume", "rigid",
-          "facets", "contact", "pairs", "loads", "problem", "solve", "query", "scene", "step", "integrators", "schedule", "observe", "checkpoint", "model", "run")
+          "facets", "contact", "pairs", "loads", "problem", "precondition", "solve", "query", "scene", "step", "integrators", "schedule", "observe", "checkpoint", "model", "run")
 KERNELS = ("materials", "physics")
 ENGINE_KERNELS = ("src/point/k0_law.c", "src/point/stretch.c")  # compiled like a law, once for each number of directions
 GENERATED = re.compile(r"mpm_\w+\.h")
@@ -272,7 +272,7 @@ def plant(folder, objects):
     add("src/io/hdf5_rows.h", '#include "io/xdmf.h"\n')
     for path in sorted((folder / "src").rglob("*.c")):
         if path.parent.name == "model":
-            add(path.relative_to(folder), '#include "solve/pc_band.h"\n')
+            add(path.relative_to(folder), '#include "precondition/pc_band.h"\n')
     for path in sorted((folder / "src").rglob("*.c")):
         if path.parent.name in ("model", "observe", "step", "integrators", "schedule", "solve", "contact"):
             add(path.relative_to(folder), '#include "run/planted.h"\n')

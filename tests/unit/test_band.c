@@ -4,7 +4,7 @@
 
   Ranks: 1 2 3 4
 */
-#include "solve/pc_band.h"
+#include "precondition/pc_band.h"
 #include "scene.h"
 
 #define BS    2

@@ -16,7 +16,7 @@
 
   Sources: Cuthill and McKee (1969), doi:10.1145/800195.805928; Przemieniecki (1963), substructures, AIAA J. 1, 138-147.
 */
-#include "solve/pc_band.h"
+#include "precondition/pc_band.h"
 #include <petscblaslapack.h>
 
 #define LAPACKpbtrf_ PETSCBLAS(pbtrf, PBTRF)

@@ -7,7 +7,7 @@
   nodes, so that a front is as thick as that. Among equals the nodes are ordered by the number of their neighbours
   behind and ahead, as finer layers would. The reverse is the order.
 */
-#include "solve/pc_band.h"
+#include "precondition/pc_band.h"
 
 /* Wider than this, a multifrontal solver is faster. */
 #define WIDTH_MOST  400

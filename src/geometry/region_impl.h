@@ -1,0 +1,26 @@
+#pragma once
+/*
+  Shared by region.c and region_edge.c: the members of a region.
+*/
+#include "geometry/geometry.h"
+
+#define MPM_REGION_DIM 3
+
+struct _p_MpmRegion {
+  MpmRegionType type;
+  PetscInt      dim;
+  PetscReal     tolerance[MPM_REGION_DIM];
+  PetscReal     lower[MPM_REGION_DIM],
+    upper[MPM_REGION_DIM]; /* bounding box of the inside with its tolerance; infinite where the region is */
+  PetscReal  clip[2][MPM_REGION_DIM];
+  PetscReal  center[MPM_REGION_DIM]; /* sphere; a cylinder's `point` */
+  PetscReal  axis[MPM_REGION_DIM];   /* unit vector */
+  PetscReal  radius, length;         /* length < 0: endless */
+  PetscInt   vertex_count;
+  PetscReal *vertices; /* in units of the tolerance, so that a distance up to 1 is on the edge */
+};
+
+static inline PetscReal MpmTriangleCross(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2])
+{
+  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
