@@ -218,8 +218,8 @@ static PetscErrorCode ChooseFbar(MpmModel model)
 /* True where F-bar leaves to the points the material's dilation by shear. */
 static PetscBool LeavesDilation(const MpmModel model, const MpmMaterial *material)
 {
-  return (PetscBool)(model->disc.dim == 2 && !model->scene.stabilization.fbar_plain && material->info.dilatancy &&
-                     material->dilation.most > 0.);
+  return (PetscBool)(model->scene.kinematics == MPM_PLANE_STRAIN && !model->scene.stabilization.fbar_plain &&
+                     material->info.dilatancy && material->dilation.most > 0.);
 }
 
 /* Points that carry momentum or water are not divided. */

@@ -106,8 +106,11 @@ def loads(test):
     """Tractions on the faces of a cylinder make a uniform stress; shear and a force are those of a full turn."""
     stress = test.run(written(test, COLUMN % (NU, PRESSED))).table("stress")
     test.check("loads.stress", np.abs(stress[:, :4] / 1e5 - [-1, -2, -1, 0]).max(), None, 1e-3)
-    force = test.run(written(test, COLUMN % (NU, POINT))).results.column("reaction_base_y")
-    test.near("loads.force", force[-1], 2 * np.pi * 1e5 + 3e4, relative=1e-6)
+    cut = {"mpm_sections": "cut", "mpm_section_cut_point": "0,0.25", "mpm_section_cut_normal": "0,1"}
+    results = test.run(written(test, COLUMN % (NU, POINT)), **cut).results
+    test.near("loads.force", results.column("reaction_base_y")[-1], 2 * np.pi * 1e5 + 3e4, relative=1e-6)
+    above = -(2 * np.pi * 1e5 * 0.75 + 3e4)
+    test.near("loads.section", results.column("section_cut_n")[-1], above, relative=2e-4)  # 5e-5 m of the faces pass the cut
 
 
 def disc(test):
