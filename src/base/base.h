@@ -12,6 +12,9 @@
 /* A loop that is written once and compiled with constants for its usual cases. */
 #define MPM_INLINE static inline __attribute__((always_inline))
 
+/* f(dim, ...) with a constant number of axes, for loops that are compiled for each. */
+#define MPM_BY_DIM(dim, f, ...) ((dim) == 2 ? f(2, __VA_ARGS__) : f(3, __VA_ARGS__))
+
 #define MPM_MAX_DIM   3
 #define MPM_MAX_WIDTH 16 /* nodes of a point on an axis */
 

@@ -15,6 +15,7 @@
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/points.h"
+#include "space/basis.h"
 #include "space/space.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
@@ -35,7 +36,7 @@ static PetscErrorCode ReadValue(const MpmOptions *block, PetscInt dim, MpmBodyMo
   for (PetscInt k = 0; k < count; k++) {
     motion->component[k] = (PetscInt)(components[k][0] - 'x');
     MpmCheckInput(!components[k][1] && motion->component[k] >= 0 && motion->component[k] < dim,
-                  "-%scomponents %s: must be among %s", block->prefix, components[k], dim == 2 ? "x, y" : "x, y, z");
+                  "-%scomponents %s: must be among %.*s", block->prefix, components[k], (int)(3 * dim - 2), "x, y, z");
   }
   motion->component_count = count;
   PetscCall(MpmNamesDestroy(count, &components));
@@ -113,36 +114,17 @@ PetscErrorCode MpmBodyMotionSelect(const MpmBodyMotion *motion, const MpmBodies 
 
 /* ---- nodes ---- */
 
-/* True where the point touches the node with the scene's shape functions. The place of the node in the box is at[]. */
-static PetscBool Touches(const MpmSpace *space, const PetscReal h[], PetscInt p, const PetscInt at[])
-{
-  const PetscInt dim = space->dim;
-  PetscReal      weight[MPM_MAX_DIM], slope[MPM_MAX_DIM];
-
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscInt k = (p * dim + a) * space->width + at[a];
-
-    weight[a] = PetscAbsReal(space->shape[0].weight[k]);
-    slope[a]  = PetscAbsReal(space->shape[0].gradient[k]) * h[a];
-    if (weight[a] <= GRAZE && slope[a] <= GRAZE) return PETSC_FALSE;
-  }
-  return PETSC_TRUE;
-}
-
 static void TouchNodes(const MpmSpace *space, const PetscReal h[], const MpmGroup *group, const PetscReal share[],
                        PetscInt stride, PetscReal marks[])
 {
-  const PetscInt *count = group->count, *nodes = &space->group_nodes[group->node_offset];
+  const PetscInt *nodes = &space->group_nodes[group->node_offset];
 
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = space->order[s];
 
     if (share[p] == 0.) continue;
-    for (PetscInt i = 0; i < group->node_count; i++) {
-      const PetscInt at[MPM_MAX_DIM] = {i % count[0], i / count[0] % count[1], i / (count[0] * count[1])};
-
-      if (nodes[i] >= 0 && Touches(space, h, p, at)) marks[nodes[i] * stride] = 1.;
-    }
+    for (PetscInt i = 0; i < group->node_count; i++)
+      if (nodes[i] >= 0 && MpmSpaceTouches(space, group, p, i, h, GRAZE)) marks[nodes[i] * stride] = 1.;
   }
 }
 

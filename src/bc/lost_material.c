@@ -12,6 +12,7 @@
 #include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/points.h"
+#include "space/basis.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
@@ -55,12 +56,11 @@ static void AddGroup(const MpmSum *sum, const MpmGroup *group, const PetscBool m
 
   for (PetscInt i = 0; i < group->node_count; i++) any = (PetscBool)(any || (nodes[i] >= 0 && mark[nodes[i]]));
   for (PetscInt s = group->point_begin; s < group->point_end && any; s++) {
-    const PetscInt p      = sum->space->order[s];
-    PetscReal      weight = 0.;
+    const PetscInt p = sum->space->order[s];
+    PetscReal      weight;
 
     MpmSpaceEvaluate(sum->space, group, p, basis);
-    for (PetscInt i = 0; i < group->node_count; i++)
-      if (nodes[i] >= 0 && mark[nodes[i]]) weight += basis->basis[0][i];
+    weight = MpmBasisMarked(sum->space, group, basis, mark);
     for (PetscInt k = 0; k < bodies; k++)
       if (sum->points->id[p] >= ids[2 * k] && sum->points->id[p] < ids[2 * k + 1])
         volume[k] += weight * sum->points->volume0[p];
@@ -71,17 +71,14 @@ static void AddGroup(const MpmSum *sum, const MpmGroup *group, const PetscBool m
 static PetscErrorCode FindVolumes(const MpmSum *sum, const PetscBool mark[], PetscInt bodies, const PetscInt ids[],
                                   PetscReal volume[])
 {
-  const PetscInt most = PetscPowInt(sum->space->width, sum->space->dim);
-  PetscReal     *storage;
-  MpmBasis       basis;
+  MpmBasis basis;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((most * MPM_BASES), &storage));
-  for (PetscInt b = 0; b < MPM_BASES; b++) basis.basis[b] = storage + most * b;
+  PetscCall(MpmBasisCreate(sum->space, &basis));
   PetscCall(PetscArrayzero(volume, bodies));
   for (PetscInt g = 0; g < sum->space->group_count; g++)
     AddGroup(sum, &sum->space->groups[g], mark, bodies, ids, &basis, volume);
-  PetscCall(PetscFree(storage));
+  PetscCall(MpmBasisDestroy(&basis));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, volume, (PetscMPIInt)bodies, MPIU_REAL, MPIU_SUM, sum->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

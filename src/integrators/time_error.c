@@ -88,7 +88,7 @@ static PetscErrorCode NodeVolumes(const MpmSum *sum, PetscInt c, PetscReal volum
 
       MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work.basis);
       for (PetscInt i = 0; i < known.n; i++)
-        volume[nodes[i] * bs + c] += work.basis.basis[basis][i] * sum->points->volume0[p];
+        volume[nodes[i] * bs + c] += MpmBasisAt(&work.basis, basis, i) * sum->points->volume0[p];
     }
   }
   PetscCall(PetscFree(work.storage));

@@ -261,7 +261,7 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRule
   PetscFunctionBeginUser;
   if (factor == 0.) PetscFunctionReturn(PETSC_SUCCESS);
   if (load->share_field) PetscCall(MpmParticlesGetField(particles, load->share_field, &share));
-  PetscCall(MpmPointBasisCreate(space, &basis));
+  PetscCall(MpmBasisCreate(space, &basis));
   weight = MpmBasisWeights(&basis);
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
@@ -282,7 +282,7 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRule
           force[nodes[i] * sum->block + Unknown(load, sum, a)] += amount * weight[i] * load->value[a];
     }
   }
-  PetscCall(MpmPointBasisDestroy(&basis));
+  PetscCall(MpmBasisDestroy(&basis));
   if (share) PetscCall(MpmParticlesRestoreField(particles, &share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -295,7 +295,7 @@ PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal tim
   MpmBasis         basis;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmPointBasisCreate(space, &basis));
+  PetscCall(MpmBasisCreate(space, &basis));
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
@@ -307,7 +307,7 @@ PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal tim
       MpmWeightsAdd(MpmBasisWeights(&basis), group, sum, points->volume0[p], value, force);
     }
   }
-  PetscCall(MpmPointBasisDestroy(&basis));
+  PetscCall(MpmBasisDestroy(&basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -320,7 +320,7 @@ PetscErrorCode MpmLoadApplyPoints(const MpmSum *sum, PetscReal part, const Petsc
   MpmBasis         basis;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmPointBasisCreate(space, &basis));
+  PetscCall(MpmBasisCreate(space, &basis));
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
@@ -334,6 +334,6 @@ PetscErrorCode MpmLoadApplyPoints(const MpmSum *sum, PetscReal part, const Petsc
       MpmPointAddForce(sum, &basis, group, p, &own, force);
     }
   }
-  PetscCall(MpmPointBasisDestroy(&basis));
+  PetscCall(MpmBasisDestroy(&basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -107,7 +107,7 @@ static PetscReal Adjoint(const MpmSurfaceFace *face, const MpmSum *sum, const Fl
 {
   PetscReal value = 0.;
 
-  for (PetscInt b = 0; b < sum->space->dim; b++) value += face->adjoint[b] * flow->work.basis.basis[1 + b][i];
+  for (PetscInt b = 0; b < sum->space->dim; b++) value += face->adjoint[b] * MpmBasisAt(&flow->work.basis, 1 + b, i);
   return value;
 }
 
@@ -134,7 +134,7 @@ static PetscReal Change(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face
   for (PetscInt k = layout->input.by_component.first[c]; k < layout->input.by_component.first[c + 1]; k++) {
     const PetscInt l = layout->input.by_component.input[k];
 
-    value += flow->by_input[l] * flow->work.basis.basis[layout->input.basis[l]][j];
+    value += flow->by_input[l] * MpmBasisAt(&flow->work.basis, layout->input.basis[l], j);
   }
   return value;
 }

@@ -121,13 +121,13 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionBeginUser;
   (void)failed;
   if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmPointBasisCreate(sum->space, &work.basis));
+  PetscCall(MpmBasisCreate(sum->space, &work.basis));
   for (PetscInt k = 0; k < faces->list.count; k++) {
     if (!IsLoaded(faces, &faces->list.at[k])) continue;
     Evaluate(faces, &faces->list.at[k], sum, u, &work);
     AddForce(faces, &faces->list.at[k], sum, work.force, residual);
   }
-  PetscCall(MpmPointBasisDestroy(&work.basis));
+  PetscCall(MpmBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -139,7 +139,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
 
   PetscFunctionBeginUser;
   if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmPointBasisCreate(sum->space, &work.basis));
+  PetscCall(MpmBasisCreate(sum->space, &work.basis));
   for (PetscInt f = 0; f < faces->list.count; f++) {
     PetscReal change[3][3], force[3];
 
@@ -152,7 +152,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
     }
     AddForce(faces, &faces->list.at[f], sum, force, y);
   }
-  PetscCall(MpmPointBasisDestroy(&work.basis));
+  PetscCall(MpmBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -178,7 +178,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionBeginUser;
   (void)failed;
   if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmPointBasisCreate(sum->space, &work.basis));
+  PetscCall(MpmBasisCreate(sum->space, &work.basis));
   for (PetscInt f = 0; f < faces->list.count; f++) {
     const MpmSurfaceFace *face  = &faces->list.at[f];
     const MpmGroup       *group = &sum->space->groups[face->group];
@@ -190,7 +190,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
       for (PetscInt cd = 0; cd < dim * dim; cd++)
         blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] += Entry(faces, face, sum, &work, i, cd, i);
   }
-  PetscCall(MpmPointBasisDestroy(&work.basis));
+  PetscCall(MpmBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -205,7 +205,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionBeginUser;
   if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
   if (residual) PetscCall(Residual(ctx, sum, u, residual, failed));
-  PetscCall(MpmPointBasisCreate(sum->space, &work.basis));
+  PetscCall(MpmBasisCreate(sum->space, &work.basis));
   PetscCall(PetscMalloc1((most * most * bs * bs), &element));
   for (PetscInt f = 0; f < faces->list.count; f++) {
     const MpmSurfaceFace *face  = &faces->list.at[f];
@@ -222,7 +222,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     MpmPatternAddBlock(pattern, sum->space, group, element);
   }
   PetscCall(PetscFree(element));
-  PetscCall(MpmPointBasisDestroy(&work.basis));
+  PetscCall(MpmBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

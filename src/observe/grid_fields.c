@@ -6,6 +6,7 @@
 #include "grid/grid.h"
 #include "particles/particles.h"
 #include "particles/points.h"
+#include "space/basis.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
@@ -145,12 +146,12 @@ static PetscErrorCode NodalMass(MpmModel model, const MpmPoints *points, PetscRe
 {
   const MpmSpace *space = model->disc.space;
   const PetscInt  most  = PetscPowInt(space->width, space->dim);
-  PetscReal      *storage;
+  PetscReal      *at;
   MpmBasis        basis;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
-  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
+  PetscCall(PetscMalloc1(most, &at));
+  PetscCall(MpmBasisCreate(space, &basis));
   PetscCall(PetscArrayzero(mass, space->local));
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
@@ -160,11 +161,13 @@ static PetscErrorCode NodalMass(MpmModel model, const MpmPoints *points, PetscRe
       const PetscReal mp = MpmPointMassNow(points, model->disc.sum->materials, model->disc.layout, p);
 
       MpmSpaceEvaluate(space, group, p, &basis);
-      for (PetscInt i = 0; i < group->node_count; i++)
-        mass[space->group_nodes[group->node_offset + i]] += basis.basis[0][i] * mp;
+      PetscCall(PetscArrayzero(at, group->node_count));
+      MpmBasisAddForce(&basis, group->node_count, mp, at);
+      for (PetscInt i = 0; i < group->node_count; i++) mass[space->group_nodes[group->node_offset + i]] += at[i];
     }
   }
-  PetscCall(PetscFree(storage));
+  PetscCall(MpmBasisDestroy(&basis));
+  PetscCall(PetscFree(at));
   PetscCall(MpmSpaceAddToOwners(space, 1, mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,6 +3,8 @@
   The derivatives of a point's fluxes, and the passes over the cells of a physics that takes a mean over them.
 */
 #include "point/layout.h"
+#include "space/basis.h"
+#include "space/basis.h"
 #include "space/space.h"
 #include "space/sum.h"
 

@@ -48,7 +48,7 @@ MPM_INLINE void TakePart(const MpmKnown known, const MpmSum *sum, const MpmGroup
   const MpmGroup *box = &sum->space->groups[sum->space->cells[group->cell].box];
   PetscInt        i   = 0;
 
-  for (PetscInt l = 0; l < (known.dim == 2 ? 1 : count[2]); l++) {
+  for (PetscInt l = 0; l < count[2]; l++) {
     for (PetscInt j = 0; j < count[1]; j++) {
       const PetscInt first =
         ((l + group->first[2] - box->first[2]) * box->count[1] + j + group->first[1] - box->first[1]) * box->count[0] +

@@ -1,136 +1,8 @@
 /*
-  Element blocks of the tangent, the sum of B^T D B over the points of a group, compiled for each dimension (MPM_LOOPS).
+  Element blocks of the tangent, the sum over the points of a group, compiled for each dimension (MPM_LOOPS).
 */
+#include "space/element_block.h"
 #include "points/element_group.h"
-
-/* to (+)= sum_k factor_k row_k; the compiler must not unroll loops that it can vectorise */
-MPM_INLINE void RowSum(PetscInt length, PetscInt count, const PetscReal factor[], const PetscReal *const row[],
-                       PetscBool add, PetscReal *restrict to)
-{
-  if (count == 2) {
-    const PetscReal *restrict a = row[0], *restrict b = row[1];
-
-#pragma GCC unroll 1
-    for (PetscInt m = 0; m < length; m++) to[m] = (add ? to[m] : 0.) + factor[0] * a[m] + factor[1] * b[m];
-  } else if (count == 3) {
-    const PetscReal *restrict a = row[0], *restrict b = row[1], *restrict c = row[2];
-
-#pragma GCC unroll 1
-    for (PetscInt m = 0; m < length; m++)
-      to[m] = (add ? to[m] : 0.) + factor[0] * a[m] + factor[1] * b[m] + factor[2] * c[m];
-  } else if (count == 4) {
-    const PetscReal *restrict a = row[0], *restrict b = row[1], *restrict c = row[2], *restrict d = row[3];
-
-#pragma GCC unroll 1
-    for (PetscInt m = 0; m < length; m++)
-      to[m] = (add ? to[m] : 0.) + factor[0] * a[m] + factor[1] * b[m] + factor[2] * c[m] + factor[3] * d[m];
-  } else {
-    for (PetscInt m = 0; !add && m < length; m++) to[m] = 0.;
-    for (PetscInt k = 0; k < count; k++)
-      for (PetscInt m = 0; m < length; m++) to[m] += factor[k] * row[k][m];
-  }
-}
-
-/* The k-th input by component. */
-MPM_INLINE PetscInt InputAt(const MpmKnown known, const MpmLayout *layout, PetscInt k)
-{
-  return known.solid ? k : layout->input.by_component.input[k];
-}
-
-/*
-  element[i][c][d][j] += sum_{k in c, l in d} phi_k(i) D_kl phi_l(j)
-
-  The inner sum over l is made once for all i, as rows of all (d, j): loops that long fill the vector registers, where
-  loops over the few nodes alone do not.
-*/
-MPM_INLINE void AddElement(const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis, const PetscReal D[],
-                           PetscReal rows[], PetscReal element[])
-{
-  const PetscInt bs = known.block, N = known.inputs, n = known.n, length = bs * n;
-
-  for (PetscInt k = 0; k < N; k++) {
-    for (PetscInt d = 0; d < bs; d++) {
-      const PetscInt   l0    = known.solid ? d * known.dim : layout->input.by_component.first[d];
-      const PetscInt   count = known.solid ? known.dim : layout->input.by_component.first[d + 1] - l0;
-      PetscReal        by[MPM_MAX_INPUTS];
-      const PetscReal *phi[MPM_MAX_INPUTS];
-
-      for (PetscInt q = 0; q < count; q++) {
-        const PetscInt l = InputAt(known, layout, l0 + q);
-
-        by[q]  = D[k * N + l];
-        phi[q] = basis->basis[KnownBasis(known, layout, l)];
-      }
-      RowSum(n, count, by, phi, PETSC_FALSE, &rows[k * length + d * n]);
-    }
-  }
-  for (PetscInt i = 0; i < n; i++) {
-    for (PetscInt c = 0; c < bs; c++) {
-      const PetscInt   first = known.solid ? c * known.dim : layout->input.by_component.first[c];
-      const PetscInt   count = known.solid ? known.dim : layout->input.by_component.first[c + 1] - first;
-      PetscReal        phi[MPM_MAX_INPUTS];
-      const PetscReal *row[MPM_MAX_INPUTS];
-
-      for (PetscInt k = 0; k < count; k++) {
-        const PetscInt input = InputAt(known, layout, first + k);
-
-        phi[k] = basis->basis[KnownBasis(known, layout, input)][i];
-        row[k] = &rows[input * length];
-      }
-      RowSum(length, count, phi, row, PETSC_TRUE, &element[(i * bs + c) * length]);
-    }
-  }
-}
-
-/*
-  AddElement() for Biot's fields, without the products that are zero (MPM_PHYSICS_BIOT). p and its gradient are the
-  inputs P to P + dim.
-*/
-MPM_INLINE void AddBiot(const MpmKnown known, const MpmBasis *basis, const PetscReal D[], PetscReal rows[],
-                        PetscReal element[])
-{
-  const PetscInt          dim = known.dim, n = known.n, N = dim * dim + dim + 2, P = dim * dim, DEVIATION = N - 1;
-  const PetscInt          by_u = dim * n, length = by_u + n;
-  const PetscReal        *phi = basis->basis[0], *deviation = basis->basis[MPM_DEVIATION(dim)];
-  const PetscReal *const *gradient = (const PetscReal *const *)&basis->basis[1];
-  PetscReal              *by_p = &rows[(P + 1 + dim) * by_u], *flow = by_p + by_u;
-
-  for (PetscInt k = 0; k < P + 1 + dim; k++)
-    for (PetscInt d = 0; d < dim; d++)
-      RowSum(n, dim, &D[k * N + d * dim], gradient, PETSC_FALSE, &rows[k * by_u + d * n]);
-  for (PetscInt a = 0; a < dim; a++) {
-    PetscReal column[MPM_MAX_DIM];
-
-    for (PetscInt b = 0; b < dim; b++) column[b] = D[(a * dim + b) * N + P];
-    RowSum(n, dim, column, gradient, PETSC_FALSE, &by_p[a * n]);
-    RowSum(n, dim, &D[(P + 1 + a) * N + P + 1], gradient, PETSC_FALSE, &flow[a * n]);
-  }
-  for (PetscInt i = 0; i < n; i++) {
-    PetscReal       *to = &element[i * (dim + 1) * length], g[MPM_MAX_DIM + 1], p[2];
-    const PetscReal *row[MPM_MAX_DIM + 1];
-
-    for (PetscInt b = 0; b < dim; b++) g[b] = gradient[b][i];
-    for (PetscInt a = 0; a < dim; a++, to += length) {
-      PetscReal *restrict of_p = to + by_u;
-      const PetscReal factor   = by_p[a * n + i];
-
-      for (PetscInt b = 0; b < dim; b++) row[b] = &rows[(a * dim + b) * by_u];
-      RowSum(by_u, dim, g, row, PETSC_TRUE, to);
-#pragma GCC unroll 1
-      for (PetscInt m = 0; m < n; m++) of_p[m] += factor * phi[m];
-    }
-    for (PetscInt b = 0; b <= dim; b++) row[b] = &rows[(P + (b + 1) % (dim + 1)) * by_u];
-    g[dim] = phi[i];
-    RowSum(by_u, dim + 1, g, row, PETSC_TRUE, to);
-    for (PetscInt b = 0; b < dim; b++) row[b] = &flow[b * n];
-    RowSum(n, dim, g, row, PETSC_TRUE, to + by_u);
-    p[0]   = D[P * N + P] * phi[i];
-    p[1]   = D[DEVIATION * N + DEVIATION] * deviation[i];
-    row[0] = phi;
-    row[1] = deviation;
-    RowSum(n, 2, p, row, PETSC_TRUE, to + by_u);
-  }
-}
 
 /* The element block of one group, and its forces. */
 MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
@@ -146,8 +18,8 @@ MPM_INLINE PetscErrorCode ElementGroup(const MpmKnown known, const MpmSum *sum, 
       (*failed)++;
       continue;
     }
-    if (known.biot) AddBiot(known, &at.basis, at.tangent, to->rows, to->element);
-    else AddElement(known, sum->layout, &at.basis, at.tangent, to->rows, to->element);
+    if (known.biot) MpmSumAddBlockBiot(known, &at.basis, at.tangent, to->rows, to->element);
+    else MpmSumAddBlock(known, sum->layout, &at.basis, at.tangent, to->rows, to->element);
     if (to->residual) MpmSumAddFlux(known, sum->layout, &at.basis, at.flux, work->force);
   }
   if (to->residual) MpmSumScatter(known, sum, group, work->force, to->residual);

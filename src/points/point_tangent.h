@@ -45,7 +45,7 @@ MPM_INLINE PetscBool PointTangent(const MpmKnown known, const MpmSum *sum, Petsc
 /* Destinations of the sums over a group's points; `residual` may be NULL. */
 typedef struct {
   PetscReal  *element, *residual;
-  PetscReal  *rows;   /* room for AddElement */
+  PetscReal  *rows;   /* room for MpmSumAddBlock() */
   PetscReal  *blocks; /* the diagonal blocks of all nodes, in place of elements */
   MpmCoupling coupling;
 } Target;

@@ -1,6 +1,7 @@
 /*
   The diagonal blocks of the points' Jacobian.
 */
+#include "space/element_block.h"
 #include "points/point_tangent.h"
 
 static void CouplingAddToDiagonal(const MpmSum *sum, const MpmCell *cell, const MpmCoupling *coupling,
@@ -23,7 +24,6 @@ static void CouplingAddToDiagonal(const MpmSum *sum, const MpmCell *cell, const 
 MPM_INLINE PetscErrorCode DiagonalGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
                                         const PetscReal u[], MpmWorkspace *work, Target *to, PetscInt *failed)
 {
-  const PetscInt  N = known.inputs, bs = known.block;
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
 
   MpmSumGather(known, sum, group, u, work->values);
@@ -34,18 +34,7 @@ MPM_INLINE PetscErrorCode DiagonalGroup(const MpmKnown known, const MpmSum *sum,
       (*failed)++;
       continue;
     }
-    for (PetscInt i = 0; i < known.n; i++) {
-      PetscReal *block = &to->blocks[nodes[i] * bs * bs];
-
-      for (PetscInt k = 0; k < N; k++) {
-        const PetscReal phi = at.basis.basis[KnownBasis(known, sum->layout, k)][i];
-        PetscReal      *row = &block[KnownComponent(known, sum->layout, k) * bs];
-
-        for (PetscInt l = 0; l < N; l++)
-          row[KnownComponent(known, sum->layout, l)] +=
-            phi * at.tangent[k * N + l] * at.basis.basis[KnownBasis(known, sum->layout, l)][i];
-      }
-    }
+    MpmSumAddDiagonal(known, sum->layout, &at.basis, at.tangent, nodes, to->blocks);
   }
   return PETSC_SUCCESS;
 }

@@ -99,7 +99,7 @@ PetscErrorCode MpmPotentialEvaluate(MpmDiscretization *disc, PetscReal *value, P
   PetscCall(FindTrial(disc, failed));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, failed, 1, MPIU_INT, MPI_SUM, disc->comm));
   if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
-  part[0] = disc->sum->part * (disc->dim == 2 ? Stored(2, disc) : Stored(3, disc));
+  part[0] = disc->sum->part * MPM_BY_DIM(disc->dim, Stored, disc);
   PetscCall(AddTerms(disc, &part[1]));
   for (PetscInt k = 0; k < MpmNodesLocal(disc) * disc->block; k++) part[2] -= disc->nodal.force[k] * disc->nodal.u[k];
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, part, 3, MPIU_REAL, MPIU_SUM, disc->comm));

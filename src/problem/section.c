@@ -129,13 +129,13 @@ static void AddArea(const MpmCutPass *pass, const MpmSection *section, const Mpm
   for (PetscInt k = 0; k < dim * dim; k++) {
     dF[k] = k / dim == k % dim ? 1. : 0.;
     for (PetscInt i = 0; i < n; i++)
-      dF[k] += pass->u[nodes[i] * sum->block + k / dim] * pass->basis.basis[1 + k % dim][i];
+      dF[k] += pass->u[nodes[i] * sum->block + k / dim] * MpmBasisAt(&pass->basis, 1 + k % dim, i);
   }
   (void)MpmCofactors(dim * dim, dF, cofactor);
   for (PetscInt k = 0; k < dim * dim; k++) {
     PetscReal slope = 0.;
 
-    for (PetscInt i = 0; i < n; i++) slope += pass->ramp[k / dim * n + i] * pass->basis.basis[1 + k % dim][i];
+    for (PetscInt i = 0; i < n; i++) slope += pass->ramp[k / dim * n + i] * MpmBasisAt(&pass->basis, 1 + k % dim, i);
     area += section->axis[0][k / dim] * cofactor[k] * slope;
   }
   area *= sum->points->volume0[p] * MpmPointJ(sum->points, p);
@@ -289,7 +289,7 @@ static PetscErrorCode FindShare(MpmCutPass *pass, const MpmCutPlane *plane, Pets
 
       MpmSpaceEvaluate(space, group, p, &pass->basis);
       for (PetscInt i = 0; i < group->node_count; i++) {
-        const PetscReal part = PetscAbsReal(pass->basis.basis[0][i]) * pass->sum->points->volume0[p];
+        const PetscReal part = PetscAbsReal(MpmBasisAt(&pass->basis, 0, i)) * pass->sum->points->volume0[p];
         PetscReal      *at   = &volume[2 * space->group_nodes[group->node_offset + i]];
 
         at[0] += part;

@@ -104,7 +104,7 @@ void MpmCutPlacePoint(const MpmCutPass *pass, const MpmGroup *group, PetscInt p,
   for (PetscInt a = 0; a < dim; a++) {
     y[a] = pass->sum->points->x[p * dim + a];
     for (PetscInt i = 0; i < group->node_count; i++)
-      y[a] += pass->basis.basis[0][i] * pass->u[nodes[i] * pass->sum->block + a];
+      y[a] += MpmBasisAt(&pass->basis, 0, i) * pass->u[nodes[i] * pass->sum->block + a];
   }
 }
 

@@ -123,14 +123,13 @@ static PetscErrorCode GroupMass(const MpmSum *sum, const MpmGroup *group, PetscR
     const PetscInt     p        = sum->space->order[s];
     const PetscReal   *state    = points->state ? &points->state[p * sum->state_size] : NULL;
     const MpmMaterial *material = &sum->materials[points->material[p]];
-    const PetscReal  M = MpmMaterialStiffness(material, MpmPointOwn(points, material, p), state, MpmPointF(points, p));
-    const PetscReal *phi = work->basis.basis[basis];
+    const PetscReal M = MpmMaterialStiffness(material, MpmPointOwn(points, material, p), state, MpmPointF(points, p));
 
     MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
     for (PetscInt i = 0; i < n; i++) {
-      const PetscReal factor = unit * unit * points->volume0[p] / M * phi[i];
+      const PetscReal factor = unit * unit * points->volume0[p] / M * MpmBasisAt(&work->basis, basis, i);
 
-      for (PetscInt j = 0; j < n; j++) element[i * n + j] += factor * phi[j];
+      for (PetscInt j = 0; j < n; j++) element[i * n + j] += factor * MpmBasisAt(&work->basis, basis, j);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -162,19 +162,17 @@ PetscErrorCode MpmFindOutside(const MpmSum *sum, const MpmGrid *next, const Pets
                               PetscReal x[])
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  dim = space->dim, most = PetscPowInt(space->width, dim);
-  PetscReal      *storage, longest[MPM_MAX_DIM], reach[MPM_MAX_DIM];
+  const PetscInt  dim   = space->dim;
+  PetscReal       longest[MPM_MAX_DIM], reach[MPM_MAX_DIM];
   MpmBasis        basis;
 
   PetscFunctionBeginUser;
   *point = -1;
   FindLongest(sum, u, longest);
   for (PetscInt a = 0; a < dim; a++) reach[a] = longest[a];
-  PetscCall(PetscMalloc1((most * (MPM_MAX_DIM + 1)), &storage));
-  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis.basis[b] = storage + most * b;
+  PetscCall(MpmBasisCreate(space, &basis));
   for (PetscInt g = 0; g < space->group_count && *point < 0; g++) {
     const MpmGroup *group = &space->groups[g];
-    const PetscInt *nodes = &space->group_nodes[group->node_offset];
 
     if (next == sum->grid && GroupIsFar(sum, group, u, longest, reach)) continue;
     for (PetscInt s = group->point_begin; s < group->point_end && *point < 0; s++) {
@@ -182,13 +180,11 @@ PetscErrorCode MpmFindOutside(const MpmSum *sum, const MpmGrid *next, const Pets
 
       if (PointIsFar(next, &sum->points->x[p * dim], reach)) continue;
       MpmSpaceEvaluate(space, group, p, &basis);
-      for (PetscInt a = 0; a < dim; a++) {
-        x[a] = sum->points->x[p * dim + a];
-        for (PetscInt i = 0; i < group->node_count; i++) x[a] += basis.basis[0][i] * u[nodes[i] * sum->block + a];
-      }
+      for (PetscInt a = 0; a < dim; a++) x[a] = sum->points->x[p * dim + a];
+      MpmBasisInterpolate(space, group, &basis, sum->block, u, dim, x);
       if (!IsInside(next, x)) *point = p;
     }
   }
-  PetscCall(PetscFree(storage));
+  PetscCall(MpmBasisDestroy(&basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

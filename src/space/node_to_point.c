@@ -45,20 +45,18 @@ static void KeepIncrement(PetscInt dim, const PetscReal du[], const PetscReal F_
 MPM_INLINE void Interpolate(const MpmKnown known, const MpmSum *sum, PetscInt p, const PetscReal values[],
                             PetscReal field[])
 {
-  const PetscInt dim = known.dim, nx = known.count[0], ny = known.count[1], nz = dim == 2 ? 1 : known.count[2];
-  const PetscInt W = sum->space->width;
-
   for (PetscInt c = 0; c < known.block; c++) {
-    const PetscReal *wx = &sum->space->shape[known.solid ? 0 : sum->layout->component[c].shape].weight[p * dim * W];
-    const PetscReal *wy = wx + W, *wz = wy + W, *v = &values[c * known.n];
+    const MpmWeights *of = &sum->space->shape[known.solid ? 0 : sum->layout->component[c].shape];
+    const MpmLines    w  = MpmPointLines(known.dim, sum->space, of->weight, p, &MpmLineOne);
+    const PetscReal  *v  = &values[c * known.n];
 
     field[c] = 0.;
-    for (PetscInt l = 0; l < nz; l++) {
-      for (PetscInt j = 0; j < ny; j++, v += nx) {
+    for (PetscInt l = 0; l < known.count[2]; l++) {
+      for (PetscInt j = 0; j < known.count[1]; j++, v += known.count[0]) {
         PetscReal row = 0.;
 
-        for (PetscInt k = 0; k < nx; k++) row += wx[k] * v[k];
-        field[c] += (dim == 2 ? wy[j] : wy[j] * wz[l]) * row;
+        for (PetscInt k = 0; k < known.count[0]; k++) row += w.along[0][k] * v[k];
+        field[c] += w.along[1][j] * w.along[2][l] * row;
       }
     }
   }
@@ -110,7 +108,7 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
     const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
     PetscReal      field[MPM_MAX_BLOCK];
 
-    MpmFetch(sum->space->shape[0].weight, ahead, dim * sum->space->width);
+    MpmSpaceFetch(known, sum->space, ahead);
     MpmFetch(points->x, ahead, dim);
     if (points->increment) {
       MpmFetch(points->increment, ahead, MPM_INCREMENT(dim));

@@ -6,6 +6,7 @@
 */
 #include "point/layout.h"
 #include "particles/points.h"
+#include "space/basis.h"
 #include "space/space.h"
 #include "space/sum.h"
 
@@ -147,7 +148,7 @@ MPM_INLINE MpmKnown KnownGeneral(const MpmLayout *layout, const MpmGroup *group)
 /* Calls f(N, ...) with the number of inputs, a constant for a solid. */
 #define MPM_DISPATCH_INPUTS(layout, f, ...) \
   PetscCall((layout)->traits.solid && (layout)->kinematics != MPM_AXISYMMETRY \
-              ? (layout)->dim == 2 ? f(4, __VA_ARGS__) : f(9, __VA_ARGS__) \
+              ? (layout)->input.count == 4 ? f(4, __VA_ARGS__) : f(9, __VA_ARGS__) \
               : f((layout)->input.count, __VA_ARGS__))
 
 /* Room for one group's work: nodal values and forces by component, and the basis functions of one point. */
@@ -236,17 +237,54 @@ MPM_INLINE void MpmFetch(const PetscReal array[], PetscInt p, PetscInt size)
   for (PetscInt k = 0; k < size; k += MPM_LINE) __builtin_prefetch(&array[p * size + k]);
   __builtin_prefetch(&array[p * size + size - 1]);
 }
+/* Prefetches the weights of a point in the scene's shape. */
+MPM_INLINE void MpmSpaceFetch(const MpmKnown known, const MpmSpace *space, PetscInt p)
+{
+  MpmFetch(space->shape[0].weight, p, known.dim * space->width);
+}
 /* Prefetches the data of the kernel and its inputs. */
 MPM_INLINE void MpmSumFetch(const MpmKnown known, const MpmSum *sum, PetscInt s)
 {
-  const PetscInt p = MpmSumAhead(sum, s), row = known.dim * sum->space->width;
+  const PetscInt p = MpmSumAhead(sum, s);
 
-  MpmFetch(sum->space->shape[0].weight, p, row);
-  MpmFetch(sum->space->shape[0].gradient, p, row);
+  MpmSpaceFetch(known, sum->space, p);
+  MpmFetch(sum->space->shape[0].gradient, p, known.dim * sum->space->width);
   MpmFetch(sum->points->F, p, known.solid ? known.dim * known.dim : sum->points->F_size);
   MpmFetch(sum->points->volume0, p, 1);
 }
 
+/* Values along the three axes; `beyond` along an axis that the grid has not, where a group has one node. */
+typedef struct {
+  const PetscReal *along[MPM_MAX_DIM];
+} MpmLines;
+MPM_INLINE MpmLines MpmPointLines(PetscInt dim, const MpmSpace *space, const PetscReal values[], PetscInt point,
+                                  const PetscReal *beyond)
+{
+  const PetscInt W     = space->width;
+  MpmLines       lines = {{&values[point * dim * W], &values[(point * dim + 1) * W], beyond}};
+
+  if (dim == MPM_MAX_DIM) lines.along[2] = &values[(point * dim + 2) * W];
+  return lines;
+}
+static const PetscReal MpmLineOne = 1., MpmLineZero = 0.;
+
+/* The weights alone of one point at its group's nodes with the scene's shape, x fastest. */
+MPM_INLINE void MpmShapeWeights(const MpmKnown known, const MpmSpace *space, PetscInt point, PetscReal weight[])
+{
+  const MpmLines w = MpmPointLines(known.dim, space, space->shape[0].weight, point, &MpmLineOne);
+
+  for (PetscInt l = 0; l < known.count[2]; l++) {
+    for (PetscInt j = 0; j < known.count[1]; j++, weight += known.count[0]) {
+      const PetscReal row = w.along[1][j] * w.along[2][l];
+
+      for (PetscInt k = 0; k < known.count[0]; k++) weight[k] = w.along[0][k] * row;
+    }
+  }
+}
+
+/* MpmShapeBasis() where derivatives are smoothed (basis.c). */
+void MpmSpaceSmoothBasis(const MpmSpace *space, const PetscInt count[], PetscInt shape, PetscInt point,
+                         PetscReal *const basis[]);
 /*
   The weights and derivatives of one point at its group's nodes with one shape: basis[0] weights (if needed),
   basis[1..dim] derivatives; `count` nodes an axis, x fastest.
@@ -254,29 +292,26 @@ MPM_INLINE void MpmSumFetch(const MpmKnown known, const MpmSum *sum, PetscInt s)
 MPM_INLINE void MpmShapeBasis(const MpmKnown known, const MpmSpace *space, PetscInt shape, PetscInt point,
                               PetscBool weights, PetscReal *const basis[])
 {
-  const PetscInt dim = known.dim, *const count = known.count;
-  const PetscInt   W  = space->width;
-  const PetscReal *wx = &space->shape[shape].weight[point * dim * W],
-                  *gx = &space->shape[shape].gradient[point * dim * W];
-  const PetscReal *wy = wx + W, *gy = gx + W;
+  const MpmWeights *of   = &space->shape[shape];
+  const MpmLines    w    = MpmPointLines(known.dim, space, of->weight, point, &MpmLineOne);
+  const MpmLines    g    = MpmPointLines(known.dim, space, of->gradient, point, &MpmLineZero);
+  const PetscInt    nx   = known.count[0];
   PetscReal *restrict b0 = basis[0], *restrict b1 = basis[1], *restrict b2 = basis[2], *restrict b3 = basis[3];
-  const PetscInt nx = count[0];
 
-  if (space->shape[shape].cross) {
-    MpmSpaceSmoothBasis(space, count, shape, point, basis);
+  if (of->cross) {
+    MpmSpaceSmoothBasis(space, known.count, shape, point, basis);
     return;
   }
-  for (PetscInt l = 0; l < (dim == 2 ? 1 : count[2]); l++) {
-    const PetscReal wz = dim == 2 ? 1. : wx[2 * W + l], gz = dim == 2 ? 0. : gx[2 * W + l];
-
-    for (PetscInt j = 0; j < count[1]; j++) {
-      const PetscReal ww = wy[j] * wz, gw = gy[j] * wz, wg = wy[j] * gz;
+  for (PetscInt l = 0; l < known.count[2]; l++) {
+    for (PetscInt j = 0; j < known.count[1]; j++) {
+      const PetscReal ww = w.along[1][j] * w.along[2][l], gw = g.along[1][j] * w.along[2][l],
+                      wg = w.along[1][j] * g.along[2][l];
 
       for (PetscInt k = 0; k < nx; k++) {
-        b1[k] = gx[k] * ww;
-        b2[k] = wx[k] * gw;
-        if (dim == 3) b3[k] = wx[k] * wg;
-        if (weights) b0[k] = wx[k] * ww;
+        b1[k] = g.along[0][k] * ww;
+        b2[k] = w.along[0][k] * gw;
+        if (known.dim == MPM_MAX_DIM) b3[k] = w.along[0][k] * wg;
+        if (weights) b0[k] = w.along[0][k] * ww;
       }
       b1 += nx;
       b2 += nx;
@@ -290,15 +325,14 @@ MPM_INLINE void MpmShapeBasis(const MpmKnown known, const MpmSpace *space, Petsc
 MPM_INLINE void MpmShapeDeviation(const MpmKnown known, const MpmSpace *space, PetscInt shape, PetscInt point,
                                   const PetscReal weight[], PetscReal deviation[])
 {
-  const PetscInt   dim = known.dim, W = space->width;
-  const PetscReal *mx = &space->shape[shape].mean[point * dim * W], *my = mx + W, *mz = my + W;
-  PetscInt         n = 0;
+  const MpmLines m = MpmPointLines(known.dim, space, space->shape[shape].mean, point, &MpmLineOne);
+  PetscInt       n = 0;
 
-  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+  for (PetscInt l = 0; l < known.count[2]; l++) {
     for (PetscInt j = 0; j < known.count[1]; j++) {
-      const PetscReal row = dim == 2 ? my[j] : my[j] * mz[l];
+      const PetscReal row = m.along[1][j] * m.along[2][l];
 
-      for (PetscInt k = 0; k < known.count[0]; k++, n++) deviation[n] = weight[n] - mx[k] * row;
+      for (PetscInt k = 0; k < known.count[0]; k++, n++) deviation[n] = weight[n] - m.along[0][k] * row;
     }
   }
 }

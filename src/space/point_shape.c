@@ -28,24 +28,6 @@ void MpmLinesMultiply(PetscInt dim, const MpmGroup *group, PetscReal (*line)[MPM
       for (PetscInt i = 0; i < group->count[0]; i++) *weight++ = line[0][i] * line[1][j] * line[2][k];
 }
 
-PetscErrorCode MpmPointBasisCreate(const MpmSpace *space, MpmBasis *basis)
-{
-  const PetscInt most = PetscPowInt(space->width, space->dim);
-  PetscReal     *storage;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((most * (space->dim + 1)), &storage));
-  for (PetscInt b = 0; b <= space->dim; b++) basis->basis[b] = storage + most * b;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmPointBasisDestroy(MpmBasis *basis)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscFree(basis->basis[0]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 void MpmBasisGradient(const MpmBasis *basis, const MpmGroup *group, const MpmSum *sum, const PetscReal u[],
                       PetscReal gradient[3][3])
 {
@@ -83,7 +65,7 @@ void MpmPointAddForce(const MpmSum *sum, const MpmBasis *basis, const MpmGroup *
   static const PetscInt pair[6][2] = {{0, 0}, {1, 1}, {0, 1}, {2, 2}, {1, 2}, {0, 2}}; /* axes of the stress */
   const PetscInt        dim        = sum->space->dim;
   const PetscInt       *nodes      = &sum->space->group_nodes[group->node_offset];
-  const PetscReal       hoop       = MpmSpaceIsAxial(sum->space) ? sum->space->shape[0].hoop[p] : 0.;
+  const PetscReal       hoop       = MpmSpaceHoop(sum->space, p);
 
   for (PetscInt i = 0; i < group->node_count; i++) {
     PetscReal *at = &y[nodes[i] * sum->block];

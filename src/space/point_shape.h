@@ -5,7 +5,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "space/space.h"
+#include "space/basis.h"
 
 /* Forces of a point: on its own, N; the stress of its domain, Pa, xx, yy, xy, zz, yz, xz (2D: the first three, and the
    hoop stress); volume, m3. */
@@ -27,9 +27,6 @@ void MpmPointAddSlope(const MpmSpace *space, PetscInt point, PetscInt axis, Pets
 /* weight[i] of a group's nodes, the product of those on its axes. */
 void MpmLinesMultiply(PetscInt dim, const MpmGroup *group, PetscReal (*line)[MPM_MAX_WIDTH], PetscReal weight[]);
 
-/* Basis functions of the scene's shape with room for all groups' nodes. */
-PetscErrorCode MpmPointBasisCreate(const MpmSpace *space, MpmBasis *basis);
-PetscErrorCode MpmPointBasisDestroy(MpmBasis *basis);
 /* The functions themselves, by node. */
 static inline PetscReal *MpmBasisWeights(const MpmBasis *basis)
 {

@@ -36,29 +36,25 @@ MPM_INLINE void AddComponent(const MpmKnown known, const PetscReal weight[], Pet
 {
   const PetscInt n = known.n;
 
-  if (known.dim == 2) {
-    for (PetscInt i = 0; i < n; i++)
-      sums[i] += weight[i] * (start + gradient[0] * place[i] + gradient[1] * place[n + i]);
-  } else {
-    for (PetscInt i = 0; i < n; i++)
-      sums[i] +=
-        weight[i] * (start + gradient[0] * place[i] + gradient[1] * place[n + i] + gradient[2] * place[2 * n + i]);
+  for (PetscInt i = 0; i < n; i++) {
+    PetscReal value = start;
+
+    for (PetscInt a = 0; a < known.dim; a++) value += gradient[a] * place[a * n + i];
+    sums[i] += weight[i] * value;
   }
 }
 
 /* `along`: the shape's weights of all points */
-MPM_INLINE void WeighNodes(const MpmKnown known, const PetscReal along[], PetscInt W, PetscInt p, PetscReal volume,
-                           PetscReal weight[])
+MPM_INLINE void WeighNodes(const MpmKnown known, const MpmSpace *space, const PetscReal along[], PetscInt p,
+                           PetscReal volume, PetscReal weight[])
 {
-  const PetscInt   dim            = known.dim;
-  const PetscReal *w[MPM_MAX_DIM] = {&along[p * dim * W], &along[(p * dim + 1) * W], NULL};
+  const MpmLines w = MpmPointLines(known.dim, space, along, p, &MpmLineOne);
 
-  if (dim == 3) w[2] = w[1] + W;
-  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
+  for (PetscInt l = 0; l < known.count[2]; l++) {
     for (PetscInt j = 0; j < known.count[1]; j++, weight += known.count[0]) {
-      const PetscReal factor = volume * w[1][j] * (dim == 2 ? 1. : w[2][l]);
+      const PetscReal factor = volume * w.along[1][j] * w.along[2][l];
 
-      for (PetscInt k = 0; k < known.count[0]; k++) weight[k] = PetscAbsReal(w[0][k] * factor);
+      for (PetscInt k = 0; k < known.count[0]; k++) weight[k] = PetscAbsReal(w.along[0][k] * factor);
     }
   }
 }
@@ -87,7 +83,7 @@ MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSum *sum, 
     MpmFetch(of->value, ahead, of->stride);
     MpmFetch(points->x, ahead, dim);
     MpmFetch(points->volume0, ahead, 1);
-    WeighNodes(known, along, space->width, p, points->volume0[p], project->weight);
+    WeighNodes(known, space, along, p, points->volume0[p], project->weight);
     for (PetscInt c = 0; c < components; c++) {
       const PetscReal *gradient = of->gradient ? &of->gradient[p * of->gradient_stride + c * dim] : flat;
       PetscReal        start    = of->value[p * of->stride + c];

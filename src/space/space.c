@@ -119,8 +119,7 @@ static PetscErrorCode MakeGroups(MpmSpace *space, const MpmRules *rules, const M
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc3(n, &boxes->cell_key, n, &boxes->shape_key, n, &order));
   PetscCall(PetscMalloc1(n, &space->order));
-  if (dim == 2) PetscCall(MakeKeys(2, space, rules, points, boxes));
-  else PetscCall(MakeKeys(3, space, rules, points, boxes));
+  PetscCall(MPM_BY_DIM(dim, MakeKeys, space, rules, points, boxes));
   PetscCall(CountingSort(n, boxes->shape_key, boxes->shapes, NULL, order));
   PetscCall(CountingSort(n, boxes->cell_key, boxes->cells, order, space->order));
 #define SAME(key, i) (boxes->key[space->order[i]] == boxes->key[space->order[(i)-1]])
@@ -336,34 +335,4 @@ PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules)
   for (PetscInt k = 0; k < space->extra.count; k++)
     for (PetscInt c = 0; c < rules->layout->block; c++) space->unknown_count += space->extra.free[k] >> c & 1;
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void MpmSpaceSmoothBasis(const MpmSpace *space, const PetscInt count[], PetscInt shape, PetscInt point,
-                         PetscReal *const basis[])
-{
-  static const PetscReal  one = 1., zero = 0.;
-  const MpmWeights *const of  = &space->shape[shape];
-  const PetscInt          dim = space->dim, W = space->width, x = point * dim * W, y = x + W, z = y + W;
-  const PetscReal        *wz = dim == 2 ? &one : &of->weight[z], *cz = dim == 2 ? &one : &of->cross[z];
-  const PetscReal        *sz = dim == 2 ? &zero : &of->slope[z];
-  PetscInt                n  = 0;
-
-  for (PetscInt l = 0; l < (dim == 2 ? 1 : count[2]); l++) {
-    for (PetscInt j = 0; j < count[1]; j++) {
-      for (PetscInt k = 0; k < count[0]; k++, n++) {
-        basis[0][n] = of->weight[x + k] * of->weight[y + j] * wz[l];
-        basis[1][n] = of->slope[x + k] * of->cross[y + j] * cz[l];
-        basis[2][n] = of->cross[x + k] * of->slope[y + j] * cz[l];
-        if (dim == 3) basis[3][n] = of->cross[x + k] * of->cross[y + j] * sz[l];
-      }
-    }
-  }
-}
-
-void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis)
-{
-  const PetscInt *count = group->count;
-  const MpmKnown  known = {.dim = space->dim, .count = {count[0], count[1], count[2]}, .n = group->node_count};
-
-  MpmShapeBasis(known, space, 0, point, PETSC_TRUE, basis->basis);
 }

@@ -180,25 +180,3 @@ PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid);
 /* Ghost values from their owners, and sums of ghost values to their owners; `block` values a node. */
 PetscErrorCode MpmSpaceToGhosts(const MpmSpace *space, PetscInt block, PetscReal local[]);
 PetscErrorCode MpmSpaceAddToOwners(const MpmSpace *space, PetscInt block, PetscReal local[]);
-/*
-  The weights and derivatives of one point at its group's nodes, shape by shape: basis[0] weights, basis[1..dim]
-  derivatives by x, y, z, basis[dim + 1] weights less their means over the cell, and in the first shape, with axial
-  symmetry, basis[MPM_HOOP_BASIS] weights over the radius; each of node_count values, x fastest.
-*/
-typedef struct {
-  PetscReal *basis[MPM_MAX_SHAPES * MPM_BASES];
-} MpmBasis;
-/* Basis functions of a space, and their places in `storage`, which has room for so many times `nodes` numbers. */
-static inline PetscInt MpmBasisCount(const MpmSpace *space)
-{
-  return space->shape_count * MPM_BASES;
-}
-static inline void MpmBasisPlace(const MpmSpace *space, PetscInt nodes, PetscReal storage[], MpmBasis *basis)
-{
-  for (PetscInt b = 0; b < MpmBasisCount(space); b++) basis->basis[b] = storage + b * nodes;
-}
-/* MpmShapeBasis() of point_loop.h where derivatives are smoothed. */
-void MpmSpaceSmoothBasis(const MpmSpace *space, const PetscInt count[], PetscInt shape, PetscInt point,
-                         PetscReal *const basis[]);
-/* Those of the scene's shape alone. */
-void MpmSpaceEvaluate(const MpmSpace *space, const MpmGroup *group, PetscInt point, MpmBasis *basis);

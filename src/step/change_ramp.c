@@ -31,9 +31,11 @@ static const PetscInt component[MPM_CHANGE_FIELDS - 1] = {0, 1, 3, 2, 4, 5};
 
 PetscInt MpmChangeFieldCount(const MpmModel model)
 {
+  const PetscInt dim = model->disc.dim;
+
   for (PetscInt k = 0; k < model->scene.stage_count; k++)
     if (model->scene.stages[k].change)
-      return model->disc.dim == 3 ? MPM_CHANGE_FIELDS : model->scene.kinematics == MPM_AXISYMMETRY ? 5 : 4;
+      return 1 + dim * (dim + 1) / 2 + (model->scene.kinematics == MPM_AXISYMMETRY ? 1 : 0);
   return 0;
 }
 

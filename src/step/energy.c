@@ -33,9 +33,6 @@
 
 /* ---- points ---- */
 
-/* The loops over points are written once, for a constant dimension. */
-#define BY_DIM(f, dim, ...) ((dim) == 2 ? f(2, __VA_ARGS__) : f(3, __VA_ARGS__))
-
 /* Of this rank's points. */
 MPM_INLINE PetscReal Elastic(const PetscInt dim, const MpmModel model, const MpmPoints *points)
 {
@@ -64,7 +61,7 @@ static PetscErrorCode Measure(MpmModel model, PetscReal energy[2])
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   energy[0] = MpmPointsKinetic(&points, model->scene.materials->at, model->disc.dim);
-  energy[1] = BY_DIM(Elastic, model->disc.dim, model, &points);
+  energy[1] = MPM_BY_DIM(model->disc.dim, Elastic, model, &points);
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, energy, 2, MPIU_REAL, MPIU_SUM, model->comm));
   energy[0] += MpmTermsKinetic(model->disc.terms);
@@ -98,11 +95,12 @@ PetscErrorCode MpmEnergyRebase(MpmModel model)
 /* sym(G) : S of a gradient G and a symmetric S; plane strain has no part along z. */
 MPM_INLINE PetscReal Power(PetscInt dim, const PetscReal G[], const PetscReal S[])
 {
-  PetscReal sum = 0.;
+  static const PetscInt row[] = {0, 1, 0}, column[] = {1, 2, 2}; /* of the components behind xx, yy, zz */
+  PetscReal             sum = 0.;
 
   for (PetscInt a = 0; a < dim; a++) sum += G[a * dim + a] * S[a];
-  sum += (G[1] + G[dim]) * S[3];
-  if (dim == 3) sum += (G[5] + G[7]) * S[4] + (G[2] + G[6]) * S[5];
+  for (PetscInt k = 0; k < dim * (dim - 1) / 2; k++)
+    sum += (G[row[k] * dim + column[k]] + G[column[k] * dim + row[k]]) * S[3 + k];
   return sum;
 }
 
@@ -182,7 +180,7 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
   if (!model->disc.context.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->scene.stages[model->state.stage].geostatic.method != MPM_GEOSTATIC_NONE)
     PetscFunctionReturn(PETSC_SUCCESS);
-  if (!work->unstrained) sum[0] = BY_DIM(Internal, model->disc.dim, model);
+  if (!work->unstrained) sum[0] = MPM_BY_DIM(model->disc.dim, Internal, model);
   if (work->loads) sum[1] = Work(model, local, work->loads, work->u);
   sum[1] += part * Work(model, work->owned, work->supports, Kick(work));
   PetscCall(MpmTermsWork(model->disc.terms, model->disc.sum, At(work), Kick(work), &terms));
@@ -228,7 +226,7 @@ PetscErrorCode MpmEnergyEvaluate(MpmModel model, MpmEnergyReport *report)
   if (motion->type != MPM_EXPLICIT && !motion->lumped) transfer.type = MPM_TRANSFER_FLIP;
   if (moves) PetscCall(MpmMotionSum(model->disc.sum, &transfer, &sums));
   sum[0] = sums.kinetic;
-  sum[1] = BY_DIM(Elastic, model->disc.dim, model, model->disc.points);
+  sum[1] = MPM_BY_DIM(model->disc.dim, Elastic, model, model->disc.points);
   PetscCall(PetscArraycpy(&sum[2], sums.momentum, MPM_MAX_DIM));
   PetscCall(PetscArraycpy(&sum[2 + MPM_MAX_DIM], sums.angular, 3));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));

@@ -18,6 +18,7 @@
 #include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/particles.h"
+#include "space/basis.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/body_motion.h"
@@ -57,8 +58,8 @@ static PetscErrorCode ReadAxes(const MpmOptions *block, PetscInt dim, MpmFollow 
   for (PetscInt k = 0; k < *count; k++) {
     const PetscInt a = (PetscInt)(axes[k][0] - 'x');
 
-    MpmCheckInput(!axes[k][1] && a >= 0 && a < dim, "-%saxes %s: must be among %s", block->prefix, axes[k],
-                  dim == 2 ? "x, y" : "x, y, z");
+    MpmCheckInput(!axes[k][1] && a >= 0 && a < dim, "-%saxes %s: must be among %.*s", block->prefix, axes[k],
+                  (int)(3 * dim - 2), "x, y, z");
     follow->axis[a] = PETSC_TRUE;
   }
   PetscCall(MpmNamesDestroy(*count, &axes));
@@ -278,28 +279,25 @@ static PetscErrorCode FindPlace(MpmModel model, const PetscReal from[], PetscRea
 static PetscErrorCode MeanIncrement(MpmModel model, PetscReal mean[])
 {
   const MpmSpace *space = model->disc.space;
-  const PetscInt  dim = model->disc.dim, bs = model->disc.block, most = PetscPowInt(space->width, dim);
-  PetscReal      *share, *storage, sum[MPM_MAX_DIM + 1]               = {0., 0., 0., 0.};
+  const PetscInt  dim   = model->disc.dim;
+  PetscReal      *share, sum[MPM_MAX_DIM + 1] = {0., 0., 0., 0.};
   MpmBasis        basis;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((most * MPM_BASES), &storage));
-  for (PetscInt b = 0; b < MPM_BASES; b++) basis.basis[b] = storage + most * b;
+  PetscCall(MpmBasisCreate(space, &basis));
   PetscCall(MpmParticlesGetField(model->state.particles, Field(model), &share));
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
-    const PetscInt *nodes = &space->group_nodes[group->node_offset];
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
       if (share[space->order[s]] == 0.) continue;
       MpmSpaceEvaluate(space, group, space->order[s], &basis);
       sum[MPM_MAX_DIM] += 1.;
-      for (PetscInt i = 0; i < group->node_count; i++)
-        for (PetscInt a = 0; a < dim; a++) sum[a] += basis.basis[0][i] * model->disc.nodal.u[nodes[i] * bs + a];
+      MpmBasisInterpolate(space, group, &basis, model->disc.block, model->disc.nodal.u, dim, sum);
     }
   }
   PetscCall(MpmParticlesRestoreField(model->state.particles, &share));
-  PetscCall(PetscFree(storage));
+  PetscCall(MpmBasisDestroy(&basis));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, MPM_MAX_DIM + 1, MPIU_REAL, MPIU_SUM, model->comm));
   for (PetscInt a = 0; a < dim; a++) mean[a] = sum[MPM_MAX_DIM] > 0. ? sum[a] / sum[MPM_MAX_DIM] : 0.;
   PetscFunctionReturn(PETSC_SUCCESS);

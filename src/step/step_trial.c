@@ -227,8 +227,7 @@ void MpmStepClip(MpmModel model)
   const MpmPoints *points = model->disc.points;
 
   if (model->scene.follow.what != MPM_FOLLOW_NOTHING || MayLeave(model)) return;
-  if (model->disc.dim == 2) Clip(2, model->disc.grid, points->count, points->x);
-  else Clip(3, model->disc.grid, points->count, points->x);
+  MPM_BY_DIM(model->disc.dim, Clip, model->disc.grid, points->count, points->x);
 }
 
 PetscErrorCode MpmStepRemoveGone(MpmModel model)

@@ -127,7 +127,8 @@ static PetscErrorCode FindPieces(MpmModel model, Kind kind, Pieces *pieces)
   PetscMPIInt     mine = 0, *count, *start;
 
   PetscFunctionBeginUser;
-  *pieces = (Pieces){.model = model, .kind = kind, .dim = model->disc.dim, .motions = model->disc.dim == 2 ? 3 : 6};
+  *pieces = (Pieces){
+    .model = model, .kind = kind, .dim = model->disc.dim, .motions = model->disc.dim * (model->disc.dim + 1) / 2};
   PetscCall(PetscMalloc1(space->local, &pieces->of));
   PetscCall(PetscMalloc3(space->owned, &own, model->size, &count, (model->size + 1), &start));
   PetscCall(LabelPieces(model, kind, pieces->of));
@@ -205,7 +206,7 @@ static void Row(const Pieces *pieces, PetscInt piece, const PetscReal q[], const
     row[a] = d[a] = q[a];
   }
   for (PetscInt k = dim; k < pieces->motions; k++) {
-    const PetscInt axis = dim == 2 ? 2 : k - dim, p = (axis + 1) % 3, s = (axis + 2) % 3;
+    const PetscInt axis = k + 3 - pieces->motions, p = (axis + 1) % 3, s = (axis + 2) % 3;
 
     row[k] = r[p] * d[s] - r[s] * d[p];
   }

@@ -21,21 +21,6 @@ typedef struct {
   PetscInt  *column; /* or -1 */
 } Windows;
 
-/* A point's weights at its group's nodes, x fastest. */
-MPM_INLINE void FindWeights(const MpmKnown known, const MpmSpace *space, PetscInt p, PetscReal weight[])
-{
-  const PetscInt   dim = known.dim, W = space->width;
-  const PetscReal *w = &space->shape[0].weight[p * dim * W];
-
-  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
-    for (PetscInt j = 0; j < known.count[1]; j++, weight += known.count[0]) {
-      const PetscReal row = dim == 2 ? w[W + j] : w[W + j] * w[2 * W + l];
-
-      for (PetscInt k = 0; k < known.count[0]; k++) weight[k] = w[k] * row;
-    }
-  }
-}
-
 #define TOGETHER 8 /* points whose products are summed before they go to the windows */
 
 /* sum_p m_p w_i w_j of `count` points, added to the windows of their nodes; `run` of which stand side by side. */
@@ -71,8 +56,8 @@ MPM_INLINE PetscErrorCode AddGroup(const MpmKnown known, const MpmSum *sum, cons
       const PetscInt p = sum->space->order[from + q];
 
       mass[q] = MpmPointMass(sum->points, sum->materials, p);
-      MpmFetch(sum->space->shape[0].weight, MpmSumAhead(sum, from + q), known.dim * sum->space->width);
-      FindWeights(known, sum->space, p, &weight[q * n]);
+      MpmSpaceFetch(known, sum->space, MpmSumAhead(sum, from + q));
+      MpmShapeWeights(known, sum->space, p, &weight[q * n]);
     }
     for (PetscInt i = 0; i < n; i++) {
       PetscReal *value = &windows->value[nodes[i] * windows->size + middle - offset[i / run] - i % run];

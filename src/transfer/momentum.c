@@ -9,11 +9,9 @@
   changes with the point's domain. With linear basis functions D goes from 0 to h^2/4 within a cell; there the gradient
   C itself is carried, and a rotation stays one. D is diagonal, for weights are products and reproduce linear fields.
 */
-#include "point/material.h"
-#include "particles/point_mass.h"
+#include "transfer/carry.h"
 #include "transfer/momentum.h"
 #include "transfer/motion.h"
-#include "transfer/stencil.h"
 
 const char *const MpmTransferTypes[] = {"apic", "flip", NULL};
 
@@ -21,9 +19,10 @@ const char *const MpmTransferTypes[] = {"apic", "flip", NULL};
 MPM_INLINE void AddAngular(PetscInt dim, PetscReal mass, const PetscReal x[], const PetscReal v[], const PetscReal *B,
                            PetscReal angular[])
 {
-  for (PetscInt c = dim == 2 ? 2 : 0; c < 3; c++) {
+  for (PetscInt c = 0; c < 3; c++) {
     const PetscInt a = (c + 1) % 3, b = (c + 2) % 3;
 
+    if (a >= dim || b >= dim) continue;
     angular[c] += mass * (x[a] * v[b] - x[b] * v[a] + (B ? B[b * dim + a] - B[a * dim + b] : 0.));
   }
 }
@@ -51,7 +50,7 @@ MPM_INLINE PetscErrorCode SumGroup(const MpmKnown known, const MpmSum *sum, cons
     }
     if (affine) {
       MpmStencilPlace(known, sum, first, p, &at);
-      MpmStencilAffine(known, sum, transfer, p, at.second, C);
+      MpmPointAffine(known, sum, transfer, p, at.second, C);
       for (PetscInt k = 0; k < dim * dim; k++) {
         B[k] = C[k] * at.second[k % dim];
         square += C[k] * B[k];
@@ -77,22 +76,21 @@ PetscErrorCode MpmMotionSum(const MpmSum *sum, const MpmTransfer *transfer, MpmM
 PetscErrorCode MpmSpinAtPoint(const MpmSum *sum, PetscInt group, PetscInt point, const PetscReal v[], PetscReal W[])
 {
   const MpmGroup *of    = &sum->space->groups[group];
-  const MpmKnown  known = KnownGeneral(sum->layout, of);
-  const PetscInt *nodes = &sum->space->group_nodes[of->node_offset], dim = known.dim, n = known.n;
-  PetscReal      *storage, *basis[1 + MPM_MAX_DIM];
+  const PetscInt *nodes = &sum->space->group_nodes[of->node_offset], dim = sum->space->dim, n = of->node_count;
+  PetscReal      *values;
+  MpmBasis        basis;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((n * (1 + MPM_MAX_DIM)), &storage));
-  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis[b] = &storage[b * n];
-  MpmShapeBasis(known, sum->space, 0, point, PETSC_FALSE, basis);
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b < dim; b++) {
-      W[a * dim + b] = 0.;
-      for (PetscInt i = 0; i < n; i++)
-        W[a * dim + b] += 0.5 * (v[nodes[i] * dim + a] * basis[1 + b][i] - v[nodes[i] * dim + b] * basis[1 + a][i]);
-    }
-  }
-  PetscCall(PetscFree(storage));
+  PetscCall(PetscMalloc1((n * dim), &values));
+  PetscCall(MpmBasisCreate(sum->space, &basis));
+  MpmSpaceEvaluate(sum->space, of, point, &basis);
+  for (PetscInt k = 0; k < n * dim; k++) values[k] = v[nodes[k % n] * dim + k / n];
+  for (PetscInt a = 0; a < dim; a++)
+    for (PetscInt b = 0; b < dim; b++)
+      W[a * dim + b] =
+        0.5 * (MpmBasisDerivative(&basis, n, b, &values[a * n]) - MpmBasisDerivative(&basis, n, a, &values[b * n]));
+  PetscCall(MpmBasisDestroy(&basis));
+  PetscCall(PetscFree(values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -101,16 +99,15 @@ PetscErrorCode MpmStiffnessRows(const MpmSum *sum, PetscReal rows[])
   const MpmSpace  *space  = sum->space;
   const MpmPoints *points = sum->points;
   const PetscInt   dim = space->dim, most = PetscPowInt(space->width, dim);
-  PetscReal       *storage, *basis[1 + MPM_MAX_DIM], *size;
+  PetscReal       *size;
+  MpmBasis         basis;
 
   PetscFunctionBeginUser;
   PetscCall(PetscArrayzero(rows, space->local));
-  PetscCall(PetscMalloc1((most * (2 + MPM_MAX_DIM)), &storage));
-  for (PetscInt b = 0; b <= MPM_MAX_DIM; b++) basis[b] = &storage[b * most];
-  size = &storage[(1 + MPM_MAX_DIM) * most];
+  PetscCall(PetscMalloc1(most, &size));
+  PetscCall(MpmBasisCreate(space, &basis));
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
-    const MpmKnown  known = KnownGeneral(sum->layout, group);
     const PetscInt *nodes = &space->group_nodes[group->node_offset];
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
@@ -119,20 +116,15 @@ PetscErrorCode MpmStiffnessRows(const MpmSum *sum, PetscReal rows[])
       const PetscReal    speed    = MpmMaterialWaveSpeed(material, MpmPointOwn(points, material, p), dim,
                                                    points->state ? &points->state[p * sum->state_size] : NULL,
                                                          MpmPointF(points, p), &points->stress[p * MpmSymSize(dim)]);
-      PetscReal          total    = 0.;
+      PetscReal          total;
 
-      MpmShapeBasis(known, space, 0, p, PETSC_FALSE, basis);
-      for (PetscInt i = 0; i < known.n; i++) {
-        size[i] = 0.;
-        for (PetscInt a = 0; a < dim; a++) size[i] += PetscSqr(basis[1 + a][i]);
-        size[i] = PetscSqrtReal(size[i]);
-        total += size[i];
-      }
-      total *= MpmPointMass(points, sum->materials, p) * speed * speed;
-      for (PetscInt i = 0; i < known.n; i++) rows[nodes[i]] += total * size[i];
+      MpmSpaceEvaluate(space, group, p, &basis);
+      total = MpmBasisGradients(space, group, &basis, size) * MpmPointMass(points, sum->materials, p) * speed * speed;
+      for (PetscInt i = 0; i < group->node_count; i++) rows[nodes[i]] += total * size[i];
     }
   }
-  PetscCall(PetscFree(storage));
+  PetscCall(MpmBasisDestroy(&basis));
+  PetscCall(PetscFree(size));
   PetscCall(MpmSpaceAddToOwners(space, 1, rows));
   PetscCall(MpmSpaceToGhosts(space, 1, rows));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -6,26 +6,31 @@
 #include "transfer/momentum.h"
 #include "transfer/motion.h"
 
-/* Of a node in the first pass: momentum, and mass behind it; and force. */
-typedef struct {
-  Slim moving, force;
-} Sums;
+/* Place of component bc of a symmetric tensor at a point: xx, yy, zz, xy, yz, xz. */
+MPM_INLINE PetscInt SymPlace(PetscInt b, PetscInt c)
+{
+  return b == c ? b : b + c == 1 ? 3 : b + c == 3 ? 4 : 5;
+}
 
 /* Stress of a force: V_0 tau, or for a small-strain law with derivatives by the present position. */
 MPM_INLINE void PointStress(const MpmKnown known, const MpmSum *sum, PetscInt p, Slim P[])
 {
   const MpmPoints *points = sum->points;
   const PetscInt   dim    = known.dim;
-  const PetscReal *F = MpmPointF(points, p), *s = &points->stress[p * (dim == 2 ? 4 : 6)];
-  const PetscReal  volume   = points->volume0[p];
-  const Slim       sigma[3] = {dim == 2 ? (Slim){s[0], s[3], 0., 0.} : (Slim){s[0], s[3], s[5], 0.},
-                         dim == 2 ? (Slim){s[3], s[1], 0., 0.} : (Slim){s[3], s[1], s[4], 0.},
-                         dim == 2 ? (Slim){0., 0., 0., 0.} : (Slim){s[5], s[4], s[2], 0.}};
+  const PetscReal *F = MpmPointF(points, p), *s = &points->stress[p * MpmSymSize(dim)];
+  const PetscReal  volume = points->volume0[p];
+  Slim             sigma[MPM_MAX_DIM];
 
+  for (PetscInt b = 0; b < dim; b++) {
+    PetscReal row[MPM_MAX_DIM] = {0., 0., 0.};
+
+    for (PetscInt c = 0; c < dim; c++) row[c] = s[SymPlace(b, c)];
+    sigma[b] = MpmSlimLoad(dim, row);
+  }
   if (sum->materials[points->material[p]].info.traits & MPM_LAW_SMALL_STRAIN) {
     for (PetscInt b = 0; b < dim; b++) {
-      P[b] = sigma[0] * (volume * F[b * dim]) + sigma[1] * (volume * F[b * dim + 1]);
-      if (dim == 3) P[b] += sigma[2] * (volume * F[b * dim + 2]);
+      P[b] = sigma[0] * (volume * F[b * dim]);
+      for (PetscInt c = 1; c < dim; c++) P[b] += sigma[c] * (volume * F[b * dim + c]);
     }
   } else
     for (PetscInt b = 0; b < dim; b++) P[b] = sigma[b] * (volume * MpmDeterminant(points->F_size, F));
@@ -35,52 +40,17 @@ MPM_INLINE void PointStress(const MpmKnown known, const MpmSum *sum, PetscInt p,
 MPM_INLINE PetscReal HoopForce(const MpmSum *sum, PetscInt p)
 {
   const MpmPoints *points = sum->points;
+  const PetscReal  hoop   = MpmSpaceHoop(sum->space, p);
   PetscReal        ratio;
 
-  if (!sum->space->shape[0].hoop) return 0.;
+  if (hoop == 0.) return 0.;
   ratio = sum->materials[points->material[p]].info.traits & MPM_LAW_SMALL_STRAIN ? MpmPointF(points, p)[4]
                                                                                  : MpmPointJ(points, p);
-  return points->volume0[p] * ratio * points->stress[4 * p + 2] * sum->space->shape[0].hoop[p];
-}
-
-/* Mass, momentum and force of one point, added to those of its nodes. */
-MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at,
-                         const MpmCarried *of, const PetscInt nodes[], Sums *restrict sums)
-{
-  const PetscInt   dim = known.dim, W = sum->space->width;
-  const PetscReal *wx = &sum->space->shape[0].weight[p * dim * W], *gx = &sum->space->shape[0].gradient[p * dim * W];
-  MpmWeightRow     line;
-
-  for (PetscInt k = 0; k < known.count[0]; k++) {
-    line.weight[k]   = wx[k];
-    line.gradient[k] = gx[k];
-    line.moment[k]   = wx[k] * at->away[0][k];
-  }
-
-  for (PetscInt l = 0; l < (dim == 2 ? 1 : known.count[2]); l++) {
-    const PetscReal wz = dim == 2 ? 1. : wx[2 * W + l], gz = dim == 2 ? 0. : gx[2 * W + l];
-
-    for (PetscInt j = 0; j < known.count[1]; j++) {
-      const PetscReal w = wx[W + j] * wz, gy = gx[W + j] * wz, g = wx[W + j] * gz;
-      Slim            row = of->momentum + of->slope[1] * at->away[1][j], across = of->P[1] * gy;
-      const Slim      along = of->P[0] * w, by_away = of->slope[0] * w;
-
-      if (dim == 3) row += of->slope[2] * at->away[2][l];
-      if (dim == 3) across += of->P[2] * g;
-      if (!known.solid) across += of->hoop * w;
-      row *= w;
-      for (PetscInt k = 0; k < known.count[0]; k++) {
-        Sums *to = &sums[*nodes++];
-
-        to->moving += row * line.weight[k] + by_away * line.moment[k];
-        to->force -= across * line.weight[k] + along * line.gradient[k];
-      }
-    }
-  }
+  return points->volume0[p] * ratio * points->stress[4 * p + 2] * hoop;
 }
 
 MPM_INLINE PetscErrorCode MotionToNodes(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                        const MpmTransfer *transfer, Sums *restrict sums)
+                                        const MpmTransfer *transfer, MpmCarriedSums *restrict sums)
 {
   PetscInt first[MPM_MAX_DIM];
 
@@ -93,13 +63,13 @@ MPM_INLINE PetscErrorCode MotionToNodes(const MpmKnown known, const MpmSum *sum,
     MpmSumFetch(known, sum, s);
     MpmFetch(sum->points->x, ahead, known.dim);
     MpmFetch(sum->points->velocity, ahead, known.dim);
-    MpmFetch(sum->points->stress, ahead, known.dim == 2 ? 4 : 6);
+    MpmFetch(sum->points->stress, ahead, MpmSymSize(known.dim));
     if (transfer->type == MPM_TRANSFER_APIC) MpmFetch(sum->points->affine, ahead, known.dim * known.dim);
     MpmStencilPlace(known, sum, first, p, &at);
     MpmCarryMomentum(known, sum, transfer, p, &at, &of);
     PointStress(known, sum, p, of.P);
     of.hoop = (Slim){HoopForce(sum, p), 0., 0., 0.};
-    AddPoint(known, sum, p, &at, &of, &sum->space->group_nodes[group->node_offset], sums);
+    MpmCarriedAddForce(known, sum, p, &at, &of, &sum->space->group_nodes[group->node_offset], sums);
   }
   return PETSC_SUCCESS;
 }
@@ -107,8 +77,8 @@ MPM_INLINE PetscErrorCode MotionToNodes(const MpmKnown known, const MpmSum *sum,
 PetscErrorCode MpmMotionToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[], PetscReal velocity[],
                                 PetscReal force[])
 {
-  const PetscInt dim = sum->space->dim, local = sum->space->local;
-  Sums          *sums;
+  const PetscInt  dim = sum->space->dim, local = sum->space->local;
+  MpmCarriedSums *sums;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(local, &sums));

@@ -96,7 +96,7 @@ MPM_INLINE PetscErrorCode FeelGroup(const MpmKnown known, const MpmSum *sum, con
     const PetscInt  p    = sum->space->order[s];
     const PetscReal mass = MpmPointMass(sum->points, sum->materials, p);
 
-    MpmFetch(sum->space->shape[0].weight, MpmSumAhead(sum, s), known.dim * sum->space->width);
+    MpmSpaceFetch(known, sum->space, MpmSumAhead(sum, s));
     MpmSlimAdd(known, sum, p, MpmSlimInterpolate(known, sum, p, NULL, nodes, a, NULL) * mass, nodes, sums);
   }
   return PETSC_SUCCESS;

@@ -18,6 +18,7 @@
 #include "grid/grid.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
+#include "space/basis.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "bc/bc.h"
@@ -62,10 +63,8 @@ static void AddPoint(const MpmCondition *bc, const MpmSum *sum, const MpmGroup *
   PetscReal       impedance[2] = {-1., 0.};
 
   for (PetscInt n = 0; n < group->node_count; n++) {
-    const PetscInt k[MPM_MAX_DIM] = {n % group->count[0], n / group->count[0] % group->count[1],
-                                     n / (group->count[0] * group->count[1])};
-    PetscInt       at[MPM_MAX_DIM];
-    PetscReal      weight = 1. / grid->h[axis];
+    PetscInt  at[MPM_MAX_DIM];
+    PetscReal weight;
 
     if (nodes[n] < 0 || !mark[nodes[n]]) continue;
     MpmSpaceAt(space, &space->node[nodes[n] * dim], at);
@@ -73,8 +72,7 @@ static void AddPoint(const MpmCondition *bc, const MpmSum *sum, const MpmGroup *
         grid->h[axis])
       continue;
     if (impedance[0] < 0.) Impedances(sum, p, impedance);
-    for (PetscInt a = 0; a < dim; a++)
-      if (a != axis) weight *= space->shape[0].weight[(p * dim + a) * space->width + k[a]];
+    weight = MpmSpaceWeightAcross(space, group, p, axis, n) / grid->h[axis];
     for (PetscInt c = 0; c < bc->component_count; c++) {
       const PetscInt component = bc->component[c];
 

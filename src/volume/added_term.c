@@ -24,16 +24,6 @@ typedef struct {
   MpmPattern *pattern;
 } Wanted;
 
-/* Basis functions of all components in the order of MpmTermElement. */
-typedef const PetscReal *Bases[MPM_MAX_BLOCK * (MPM_MAX_DIM + 1)];
-
-static void ListBases(const MpmLayout *layout, const MpmBasis *basis, Bases list)
-{
-  for (PetscInt c = 0; c < layout->block; c++)
-    for (PetscInt k = 0; k <= layout->dim; k++)
-      list[c * (layout->dim + 1) + k] = basis->basis[layout->component[c].shape * MPM_BASES + k];
-}
-
 /* The element of point p, but for its nodes. */
 static MpmTermElement Element(const MpmAddedTerm *added, const MpmSum *sum, PetscInt p)
 {
@@ -60,7 +50,7 @@ static void SumGroup(const MpmAddedTerm *added, const MpmSum *sum, const MpmGrou
   const MpmKnown known  = KnownGeneral(sum->layout, group);
   PetscReal     *matrix = wanted->matrix;
   PetscInt       count  = 0;
-  Bases          bases;
+  MpmBases       bases;
 
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p       = sum->space->order[s];
@@ -73,7 +63,7 @@ static void SumGroup(const MpmAddedTerm *added, const MpmSum *sum, const MpmGrou
       for (PetscInt k = 0; matrix && k < known.n * known.n * known.block * known.block; k++) matrix[k] = 0.;
     }
     MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
-    ListBases(sum->layout, &work->basis, bases);
+    MpmBasisList(sum->layout, &work->basis, bases);
     element.nodes = known.n;
     element.basis = bases;
     element.u     = work->values;

@@ -13,7 +13,7 @@
   Alamos report LA-1930, for the linear term.
 */
 #include "particles/point_mass.h"
-#include "space/point_loop.h"
+#include "space/element_block.h"
 #include "bc/bc.h"
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
@@ -110,14 +110,8 @@ PetscErrorCode MpmDampingSet(MpmDamping *damping, const MpmSpace *space, const M
 /* G_ab = d v_a / d x_b at a point, from the nodes' values [c][i]. */
 static void Gradient(const MpmKnown known, const MpmBasis *basis, const PetscReal values[], PetscReal G[])
 {
-  for (PetscInt a = 0; a < known.dim; a++) {
-    for (PetscInt b = 0; b < known.dim; b++) {
-      const PetscReal *g = basis->basis[1 + b], *v = &values[a * known.n];
-
-      G[a * known.dim + b] = 0.;
-      for (PetscInt i = 0; i < known.n; i++) G[a * known.dim + b] += g[i] * v[i];
-    }
-  }
+  for (PetscInt k = 0; k < known.dim * known.dim; k++)
+    G[k] = MpmBasisDerivative(basis, known.n, k % known.dim, &values[k / known.dim * known.n]);
 }
 
 static PetscReal Trace(PetscInt dim, const PetscReal G[])
@@ -160,20 +154,18 @@ static PetscErrorCode AddViscous(const MpmDamping *damping, const MpmSum *sum, c
       const PetscReal *viscosity = &damping->viscosity[p * MPM_VISCOSITIES];
       PetscReal        G[MPM_MAX_DIM * MPM_MAX_DIM], base[MPM_MAX_DIM * MPM_MAX_DIM], D, pressure;
 
-      MpmShapeBasis(known, sum->space, 0, p, PETSC_FALSE, work.basis.basis);
+      MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work.basis);
       Gradient(known, &work.basis, work.values, G);
       D = Trace(dim, G);
       if (at) {
         Gradient(known, &work.basis, values, base);
         pressure = BulkSlope(viscosity, Trace(dim, base)) * D;
       } else pressure = viscosity[0] * D + (D < 0. ? viscosity[2] * D - viscosity[3] * D * D : 0.);
-      for (PetscInt a = 0; a < dim; a++) {
-        for (PetscInt b = 0; b < dim; b++) {
-          const PetscReal flux = viscosity[1] * (G[a * dim + b] + G[b * dim + a]) + (a == b ? pressure : 0.);
-
-          for (PetscInt i = 0; i < known.n; i++) work.force[a * known.n + i] += work.basis.basis[1 + b][i] * flux;
-        }
-      }
+      for (PetscInt a = 0; a < dim; a++)
+        for (PetscInt b = 0; b < dim; b++)
+          MpmBasisAddFlux(&work.basis, known.n, b,
+                          viscosity[1] * (G[a * dim + b] + G[b * dim + a]) + (a == b ? pressure : 0.),
+                          &work.force[a * known.n]);
     }
     MpmSumScatter(known, sum, group, work.force, y);
   }
@@ -310,28 +302,23 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* d force_ia / d u_jb of one point, to the block [i][a][b][j]. */
-static void AddPoint(const MpmKnown known, const MpmBasis *basis, PetscReal bulk, PetscReal shear, PetscReal element[])
+/* Derivatives of a point's fluxes by the inputs of the kernel, the components of the gradient: with axial symmetry the
+   hoop strain, last, has no part. */
+static void FluxSlope(PetscInt dim, PetscInt inputs, PetscReal bulk, PetscReal shear, PetscReal D[])
 {
-  const PetscInt dim = known.dim, n = known.n, bs = known.block;
-
-  for (PetscInt i = 0; i < n; i++) {
-    for (PetscInt ab = 0; ab < dim * dim; ab++) {
-      const PetscInt a = ab / dim, b = ab % dim;
-      PetscReal     *row = &element[((i * bs + a) * bs + b) * n];
-
-      for (PetscInt j = 0; j < n; j++) {
-        row[j] += bulk * basis->basis[1 + a][i] * basis->basis[1 + b][j] +
-                  shear * basis->basis[1 + b][i] * basis->basis[1 + a][j];
-        for (PetscInt c = 0; a == b && c < dim; c++) row[j] += shear * basis->basis[1 + c][i] * basis->basis[1 + c][j];
-      }
+  for (PetscInt k = 0; k < inputs * inputs; k++) D[k] = 0.;
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b < dim; b++) {
+      D[(a * dim + a) * inputs + b * dim + b] += bulk;
+      D[(a * dim + b) * inputs + a * dim + b] += shear;
+      D[(a * dim + b) * inputs + b * dim + a] += shear;
     }
   }
 }
 
-/* The element block of a group, at velocities of the local nodes. */
+/* The element block of a group, at velocities of the local nodes; `rows`: room for MpmSumAddBlock(). */
 static void Element(const MpmDamping *damping, const MpmSum *sum, const MpmGroup *group, const PetscReal v[],
-                    MpmWorkspace *work, PetscReal element[])
+                    MpmWorkspace *work, PetscReal element[], PetscReal rows[])
 {
   const MpmKnown known = KnownGeneral(sum->layout, group);
 
@@ -340,22 +327,24 @@ static void Element(const MpmDamping *damping, const MpmSum *sum, const MpmGroup
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt   p         = sum->space->order[s];
     const PetscReal *viscosity = &damping->viscosity[p * MPM_VISCOSITIES];
-    PetscReal        G[MPM_MAX_DIM * MPM_MAX_DIM];
+    PetscReal        G[MPM_MAX_DIM * MPM_MAX_DIM], D[MPM_MAX_INPUTS * MPM_MAX_INPUTS];
 
-    MpmShapeBasis(known, sum->space, 0, p, PETSC_FALSE, work->basis.basis);
+    MpmSumBasis(known, sum->space, p, PETSC_TRUE, &work->basis);
     Gradient(known, &work->basis, work->values, G);
-    AddPoint(known, &work->basis, damping->factor * BulkSlope(viscosity, Trace(known.dim, G)),
-             damping->factor * viscosity[1], element);
+    FluxSlope(known.dim, known.inputs, damping->factor * BulkSlope(viscosity, Trace(known.dim, G)),
+              damping->factor * viscosity[1], D);
+    MpmSumAddBlock(known, sum->layout, &work->basis, D, rows, element);
   }
 }
 
-static PetscErrorCode ElementCreate(const MpmSum *sum, MpmWorkspace *work, PetscReal **element)
+/* Room for the block of any group, and for MpmSumAddBlock(). */
+static PetscErrorCode ElementCreate(const MpmSum *sum, MpmWorkspace *work, PetscReal **element, PetscReal **rows)
 {
   const PetscInt most = PetscPowInt(sum->space->width, sum->space->dim) * sum->block;
 
   PetscFunctionBeginUser;
   PetscCall(MpmWorkspaceCreate(sum, work));
-  PetscCall(PetscMalloc1((most * most), element));
+  PetscCall(PetscMalloc2((most * most), element, (most * sum->layout->input.count), rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -363,7 +352,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
                               PetscReal residual[], PetscInt *failed)
 {
   const MpmDamping *damping = (const MpmDamping *)ctx;
-  PetscReal        *v, *element;
+  PetscReal        *v, *element, *rows;
   MpmWorkspace      work;
 
   PetscFunctionBeginUser;
@@ -372,12 +361,12 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   AddDashpotsTangent(damping, sum, pattern);
   if (!damping->viscosity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Velocities(damping, sum, u, PETSC_TRUE, &v));
-  PetscCall(ElementCreate(sum, &work, &element));
+  PetscCall(ElementCreate(sum, &work, &element, &rows));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
-    Element(damping, sum, &sum->space->groups[g], v, &work, element);
+    Element(damping, sum, &sum->space->groups[g], v, &work, element, rows);
     MpmPatternAddBlock(pattern, sum->space, &sum->space->groups[g], element);
   }
-  PetscCall(PetscFree(element));
+  PetscCall(PetscFree2(element, rows));
   PetscCall(PetscFree(work.storage));
   PetscCall(PetscFree(v));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -388,7 +377,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 {
   const MpmDamping *damping = (const MpmDamping *)ctx;
   const PetscInt    bs      = sum->block;
-  PetscReal        *v, *element;
+  PetscReal        *v, *element, *rows;
   MpmWorkspace      work;
 
   PetscFunctionBeginUser;
@@ -397,17 +386,17 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
   AddDashpotsDiagonal(damping, sum, blocks);
   if (!damping->viscosity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Velocities(damping, sum, u, PETSC_TRUE, &v));
-  PetscCall(ElementCreate(sum, &work, &element));
+  PetscCall(ElementCreate(sum, &work, &element, &rows));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
     const PetscInt *nodes = &sum->space->group_nodes[group->node_offset], n = group->node_count;
 
-    Element(damping, sum, group, v, &work, element);
+    Element(damping, sum, group, v, &work, element, rows);
     for (PetscInt i = 0; i < n; i++)
       for (PetscInt ab = 0; ab < bs * bs; ab++)
         blocks[(nodes[i] * bs + ab / bs) * bs + ab % bs] += element[((i * bs + ab / bs) * bs + ab % bs) * n + i];
   }
-  PetscCall(PetscFree(element));
+  PetscCall(PetscFree2(element, rows));
   PetscCall(PetscFree(work.storage));
   PetscCall(PetscFree(v));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -193,9 +193,10 @@ static PetscInt FaceMatrix(const MpmSum *sum, PetscInt f, PetscReal matrix[])
 
   for (PetscInt p = 0; p < n / count[0]; p++) { /* lines of nodes along the first axis */
     for (PetscInt q = 0; q < n / count[0]; q++) {
-      PetscReal value = stiffness * face->along[1][(p % count[1]) * count[1] + q % count[1]];
+      PetscReal value = stiffness;
 
-      if (space->dim == 3) value *= face->along[2][(p / count[1]) * count[2] + q / count[1]];
+      for (PetscInt a = 1, i = p, j = q; a < space->dim; i /= count[a], j /= count[a], a++)
+        value *= face->along[a][i % count[a] * count[a] + j % count[a]];
       for (PetscInt i = 0; i < count[0]; i++)
         for (PetscInt j = 0; j < count[0]; j++)
           matrix[(p * count[0] + i) * n + q * count[0] + j] = value * face->along[0][i * count[0] + j];

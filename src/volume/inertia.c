@@ -39,7 +39,7 @@ static PetscInt FirstLumped(const MpmInertia *inertia, const MpmSpace *space)
 }
 
 /* y += M a */
-MPM_INLINE void Multiply(const MpmMassMatrix *mass, PetscInt dim, const PetscReal *restrict a, PetscReal *restrict y)
+MPM_INLINE void Multiply(PetscInt dim, const MpmMassMatrix *mass, const PetscReal *restrict a, PetscReal *restrict y)
 {
   for (PetscInt i = 0; i < mass->nodes; i++) {
     PetscReal total[MPM_MAX_DIM] = {0., 0., 0.};
@@ -50,12 +50,6 @@ MPM_INLINE void Multiply(const MpmMassMatrix *mass, PetscInt dim, const PetscRea
   }
 }
 
-static void MultiplyMatrix(const MpmMassMatrix *mass, PetscInt dim, const PetscReal a[], PetscReal y[])
-{
-  if (dim == 2) Multiply(mass, 2, a, y);
-  else Multiply(mass, 3, a, y);
-}
-
 /* y += M a, of values at the local nodes, dim a node; the rows of ghosts have this rank's contribution. */
 static PetscErrorCode MassTimes(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[])
 {
@@ -64,7 +58,7 @@ static PetscErrorCode MassTimes(const MpmInertia *inertia, const MpmSum *sum, co
   PetscFunctionBeginUser;
   for (PetscInt i = FirstLumped(inertia, sum->space); i < sum->space->owned; i++)
     for (PetscInt c = 0; c < dim; c++) y[i * dim + c] += inertia->mass[i] * a[i * dim + c];
-  if (inertia->consistent) MultiplyMatrix(&inertia->matrix, dim, a, y);
+  if (inertia->consistent) MPM_BY_DIM(dim, Multiply, &inertia->matrix, a, y);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,7 +132,7 @@ static void AddEntry(const MpmSpace *space, const PetscInt nodes[2], PetscReal v
   MpmPatternAddNodes(pattern, space, 2, nodes, element);
 }
 
-MPM_INLINE void AddRows(const MpmMassMatrix *mass, const MpmSpace *space, PetscInt dim, PetscReal factor,
+MPM_INLINE void AddRows(PetscInt dim, const MpmMassMatrix *mass, const MpmSpace *space, PetscReal factor,
                         const PetscInt at[], MpmPattern *pattern)
 {
   const MpmConstraints *constraints = pattern->constraints;
@@ -181,8 +175,7 @@ static PetscErrorCode AddMatrix(const MpmMassMatrix *mass, const MpmSpace *space
     for (PetscInt a = 0; a < dim; a++, rest /= side, stride *= 2 * pattern->reach + 1)
       at[k] += (rest % side - mass->reach) * stride;
   }
-  if (dim == 2) AddRows(mass, space, 2, factor, at, pattern);
-  else AddRows(mass, space, 3, factor, at, pattern);
+  MPM_BY_DIM(dim, AddRows, mass, space, factor, at, pattern);
   PetscCall(PetscFree(at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -14,7 +14,10 @@
 
 static PetscInt LayerSize(const MpmMaterialPieces *map)
 {
-  return map->dim == 3 ? map->size[0] * map->size[1] : map->size[0];
+  PetscInt size = 1;
+
+  for (PetscInt a = 0; a < map->dim - 1; a++) size *= map->size[a];
+  return size;
 }
 
 static PetscErrorCode MapCreate(MpmMaterialPieces *map)

@@ -45,26 +45,19 @@ static void Evaluate(const MpmSum *sum, PetscInt p, PetscInt n, const MpmBasis *
   const MpmMaterial *material = &sum->materials[sum->points->material[p]];
   const PetscInt     dim      = sum->space->dim;
   const PetscReal    scale    = -material->physics_parameter[sum->layout->own.taken_up] * sum->points->volume0[p];
-  const PetscReal   *hoop     = sum->space->shape[0].hoop ? basis->basis[MPM_HOOP_BASIS] : NULL;
+  const PetscBool    hoop     = (PetscBool)(sum->points->F_size > dim * dim);
   PetscReal          dF[MPM_MAX_DIM * MPM_MAX_DIM], by[MPM_MAX_DIM * MPM_MAX_DIM];
 
-  for (PetscInt k = 0; k < dim * dim; k++) {
-    dF[k] = k / dim == k % dim ? 1. : 0.;
-    for (PetscInt i = 0; i < n; i++) dF[k] += basis->basis[1 + k % dim][i] * values[k / dim * n + i];
-  }
-  if (hoop) {
-    dF[dim * dim] = 1.;
-    for (PetscInt i = 0; i < n; i++) dF[dim * dim] += hoop[i] * values[i];
-  }
+  for (PetscInt k = 0; k < dim * dim; k++)
+    dF[k] = (k / dim == k % dim ? 1. : 0.) + MpmBasisDerivative(basis, n, k % dim, &values[k / dim * n]);
+  if (hoop) dF[dim * dim] = 1. + MpmBasisHoop(basis, n, values);
   rank->taken = Volume(sum, p, dF, by) - 1.;
+  for (PetscInt k = 0; k < dim * n; k++) rank->row[k] = rank->column[k] = 0.;
   for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt i = 0; i < n; i++) {
-      rank->row[a * n + i]    = scale * sum->gravity[a] * basis->basis[0][i];
-      rank->column[a * n + i] = 0.;
-      for (PetscInt b = 0; b < dim; b++) rank->column[a * n + i] += by[a * dim + b] * basis->basis[1 + b][i];
-      if (hoop && !a) rank->column[i] += by[dim * dim] * hoop[i];
-    }
+    MpmBasisAddForce(basis, n, scale * sum->gravity[a], &rank->row[a * n]);
+    for (PetscInt b = 0; b < dim; b++) MpmBasisAddFlux(basis, n, b, by[a * dim + b], &rank->column[a * n]);
   }
+  if (hoop) MpmBasisAddHoop(basis, n, by[dim * dim], rank->column);
 }
 
 /* Results for the points, all optional: their forces, element blocks, diagonal blocks, or the action on du. */
