@@ -2,7 +2,7 @@
   The list of terms that a problem's residual consists of, and sums over it.
 */
 #include "base/outcome.h"
-#include "space/extension.h"
+#include "extension/extension.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "assembly/terms.h"
@@ -61,6 +61,7 @@ PetscErrorCode MpmTermsSetUpSpace(const MpmTerms *terms, MpmSpace *space, const 
     if (terms->term[k]->boxes) PetscCall(terms->term[k]->boxes(terms->ctx[k], rules, points, space));
   PetscCall(MpmExtensionBoxes(rules, points, space));
   PetscCall(MpmSpaceEnd(space, rules));
+  PetscCall(MpmExtensionNumber(space));
   PetscCall(FindNear(terms, space));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,9 +10,9 @@
   Newton's tolerance. Where no force acts within the width, it does not depend on the points' places. Where the balance
   takes a fraction of the points' forces from the step's start (generalised alpha), so does the sum.
 
-  Small-cut nodes have no balance of their own: forces there belong to the nodes they follow (space/extension.h), and
-  the motion is extended likewise, component by component: s_i and s_i (y_i - c) become sum_k e_ik s_k and sum_k e_ik
-  s_k (y_k - c).
+  Small-cut nodes have no balance of their own: forces there belong to the nodes they follow (extension/extension.h),
+  and the motion is extended likewise, component by component: s_i and s_i (y_i - c) become sum_k e_ik s_k and sum_k
+  e_ik s_k (y_k - c).
 
   Area and centroid are those of int grad s dv.
 

@@ -1,7 +1,7 @@
 #pragma once
 /*
-  The basis functions of a point at its group's nodes, and sums with them: values and gradients of fields (Evaluate), and
-  forces, fluxes and products of basis functions at the nodes (Integrate). No other folder reads weights.
+  The basis functions of a point at its group's nodes, and sums with them: values and gradients of fields, forces and
+  fluxes at the nodes, lines and weights by axis. Other folders evaluate and integrate by these functions.
 */
 #include "space/space.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 /*
-  Element blocks, B^T D B of a point: products of its basis functions with the derivatives D of the kernel's fluxes by its
-  inputs, inlined into loops over points.
+  Element blocks, B^T D B of a point: products of its basis functions with the derivatives D of the kernel's fluxes by
+  its inputs, inlined into loops over points.
 */
 #include "space/point_loop.h"
 
@@ -134,7 +134,7 @@ MPM_INLINE void MpmSumAddBlockBiot(const MpmKnown known, const MpmBasis *basis, 
   }
 }
 
-/* blocks[node][c][d] += sum_{k in c, l in d} phi_k(i) D_kl phi_l(i): diagonal blocks alone, block^2 values a local node. */
+/* blocks[node][c][d] += sum_{k in c, l in d} phi_k(i) D_kl phi_l(i): diagonal blocks, block^2 values a local node. */
 MPM_INLINE void MpmSumAddDiagonal(const MpmKnown known, const MpmLayout *layout, const MpmBasis *basis,
                                   const PetscReal D[], const PetscInt nodes[], PetscReal blocks[])
 {

@@ -6,7 +6,7 @@
 #include "base/types.h"
 #include "grid/shape.h"
 
-/* Share of the fullest piece beside it, or of a whole one, from which on a piece is well filled (extension.h). */
+/* Share of the fullest piece beside it, or of a whole one, from which on a piece is well filled (extension/). */
 #define MPM_FILLED 0.35
 
 /* Factor of the ghost penalty where points are sparse. */

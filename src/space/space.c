@@ -6,7 +6,6 @@
 */
 #include "base/outcome.h"
 #include "grid/grid.h"
-#include "space/extension.h"
 #include "space/point_loop.h"
 #include "space/rules.h"
 
@@ -20,7 +19,11 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
     PetscCall(PetscFree(space->shape[k].hoop));
   }
   PetscCall(PetscFree(space->half));
-  PetscCall(MpmExtensionReset(&space->extension));
+  PetscCall(PetscFree(space->extension.follower));
+  PetscCall(PetscFree(space->extension.offset));
+  PetscCall(PetscFree(space->extension.master));
+  PetscCall(PetscFree(space->extension.weight));
+  PetscCall(PetscFree(space->extension.of));
   PetscCall(PetscFree(space->support));
   PetscCall(PetscFree(space->order));
   PetscCall(PetscFree(space->groups));
@@ -330,7 +333,6 @@ PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules)
   PetscFunctionBeginUser;
   PetscCall(FinishBoxes(space, rules->grid->comm));
   PetscCall(MpmSpaceNumberNodes(space, rules->grid));
-  PetscCall(MpmExtensionNumber(space));
   PetscCall(FindSupport(space, rules));
   for (PetscInt k = 0; k < space->extra.count; k++)
     for (PetscInt c = 0; c < rules->layout->block; c++) space->unknown_count += space->extra.free[k] >> c & 1;

@@ -72,7 +72,7 @@ typedef struct {
 
 /*
   Nodes whose values follow from others': u_s = sum_k e_sk u_k. Local nodes; masters of a rank's local nodes are local
-  (extension.h).
+  (extension/extension.h).
 */
 typedef struct {
   PetscInt   count;    /* of followers */

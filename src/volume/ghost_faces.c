@@ -8,7 +8,7 @@
 */
 #include "point/material.h"
 #include "grid/grid.h"
-#include "space/pieces.h"
+#include "extension/pieces.h"
 #include "space/rules.h"
 #include "space/space.h"
 #include "volume/ghost_faces.h"

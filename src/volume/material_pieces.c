@@ -5,7 +5,7 @@
 #include "point/material.h"
 #include "grid/grid.h"
 #include "particles/points.h"
-#include "space/pieces.h"
+#include "extension/pieces.h"
 #include "space/rules.h"
 #include "space/space.h"
 #include "volume/material_pieces.h"

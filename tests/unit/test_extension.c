@@ -5,7 +5,7 @@
   Ranks: 1 2 3
 */
 #include "scene.h"
-#include "space/extension.h"
+#include "extension/extension.h"
 #include "assembly/terms.h"
 
 static const char *const shapes[] = {"linear", "gimp", "bspline2", "bspline3", "gimp_bspline2"};

@@ -19,8 +19,8 @@
   doi:10.1002/nme.6673, for the implicit material point method.
 */
 #include "grid/grid.h"
-#include "space/extension.h"
-#include "space/pieces.h"
+#include "extension/extension.h"
+#include "extension/pieces.h"
 #include "space/rules.h"
 #include "space/space.h"
 
@@ -516,17 +516,5 @@ PetscErrorCode MpmExtensionNumber(MpmSpace *space)
     extension->offset[++kept] = entries;
   }
   extension->count = kept;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmExtensionReset(MpmExtension *extension)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscFree(extension->follower));
-  PetscCall(PetscFree(extension->offset));
-  PetscCall(PetscFree(extension->master));
-  PetscCall(PetscFree(extension->weight));
-  PetscCall(PetscFree(extension->of));
-  extension->count = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,7 +7,7 @@
 */
 #include "grid/grid.h"
 #include "particles/points.h"
-#include "space/pieces.h"
+#include "extension/pieces.h"
 #include "space/rules.h"
 #include "space/space.h"
 

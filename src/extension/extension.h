@@ -6,8 +6,7 @@
 
 /*
   Boxes: finds the followers of this rank's nodes and appends boxes that make their masters local. Behind the boxes of
-  all terms, before the nodes are numbered. Number: the local numbers, afterwards. Collective.
+  all terms, before the nodes are numbered. Number: the local numbers, once they are (MpmSpaceEnd()). Collective.
 */
 PetscErrorCode MpmExtensionBoxes(const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
 PetscErrorCode MpmExtensionNumber(MpmSpace *space);
-PetscErrorCode MpmExtensionReset(MpmExtension *extension);
