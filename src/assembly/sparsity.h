@@ -1,6 +1,6 @@
 #pragma once
 /*
-  The matrix's sparsity, and where contributions go in it.
+  The matrix's sparsity, and where contributions go in it (sparsity.c, pattern_blocks.c, pattern_matrix.c).
 */
 #include <petscmat.h>
 #include "base/base.h"

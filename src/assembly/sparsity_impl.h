@@ -1,7 +1,8 @@
 #pragma once
 /*
-  Parts of the sparsity that sparsity.c, far_entries.c and followers.c share.
+  Parts of the sparsity that sparsity.c, pattern_blocks.c, pattern_matrix.c, far_entries.c and followers.c share.
 */
+#include "space/space.h"
 #include "assembly/sparsity.h"
 
 /* The slot of a local node in the window of another, or NULL where it has none. */
@@ -22,3 +23,17 @@ static inline PetscInt MpmPatternFarCount(const MpmPattern *pattern, PetscInt ro
 }
 /* Brings rows and columns of followers to those that they follow (followers.c): E^T K E of this rank's part. */
 void MpmPatternEliminate(MpmPattern *pattern, const MpmSpace *space);
+/*
+  Offsets in the window of a group's nodes, relative to its first node: the entry (i, j) stands at center + offset[j] -
+  offset[i].
+*/
+static inline PetscInt MpmPatternOffsets(const MpmPattern *pattern, const MpmGroup *group, PetscInt offset[])
+{
+  const PetscInt side = 2 * pattern->reach + 1;
+  PetscInt       n    = 0;
+
+  for (PetscInt k = 0; k < group->count[2]; k++)
+    for (PetscInt j = 0; j < group->count[1]; j++)
+      for (PetscInt i = 0; i < group->count[0]; i++) offset[n++] = (k * side + j) * side + i;
+  return (pattern->window - 1) / 2;
+}

@@ -232,32 +232,59 @@ static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Answers every question, in its order, with the number of this rank's first node and the local number here. */
+static PetscErrorCode AnswerNumbers(const MpmSpace *space, const MpmLists *wanted, NodeMap maps[], MpmLists *answer)
+{
+  const PetscInt dim = space->dim;
+
+  PetscFunctionBeginUser;
+  answer->count = wanted->count;
+  PetscCall(PetscMalloc1(answer->count, &answer->rank));
+  PetscCall(PetscMalloc1((answer->count + 1), &answer->offset));
+  PetscCall(PetscMalloc1((wanted->offset[wanted->count] / dim + wanted->count), &answer->data));
+  answer->offset[0] = 0;
+  for (PetscInt k = 0; k < wanted->count; k++) {
+    PetscInt fill = answer->offset[k];
+
+    answer->rank[k]      = wanted->rank[k];
+    answer->data[fill++] = space->global_begin;
+    for (PetscInt i = wanted->offset[k]; i < wanted->offset[k + 1]; i += dim)
+      answer->data[fill++] = *MapAt(MapOf(space, maps, &wanted->data[i]), &wanted->data[i]);
+    answer->offset[k + 1] = fill;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Extra nodes are ghosts of the last rank as its other nodes are, and behind them. */
+static PetscErrorCode ScatterExtra(const MpmSpace *space, const MpmGrid *grid, PetscInt leaf[], PetscSFNode remote[])
+{
+  const PetscInt ghosts = space->local - space->owned, count = space->extra.count;
+  PetscInt       owned = space->owned;
+
+  PetscFunctionBeginUser;
+  if (!count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Bcast(&owned, 1, MPIU_INT, grid->size - 1, grid->comm));
+  for (PetscInt k = 0; k < count && grid->rank < grid->size - 1; k++) {
+    const PetscInt ghost = ghosts - count + k;
+
+    leaf[ghost]   = space->owned + ghost;
+    remote[ghost] = (PetscSFNode){.rank = grid->size - 1, .index = owned - count + k};
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Numbers the ghosts after the owned nodes, learns their owners' numbers, and builds the scatter. */
 static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const MpmLists *foreign,
                                    const MpmLists *wanted, NodeMap maps[])
 {
   const PetscInt dim = space->dim, ghosts = space->local - space->owned;
   MpmLists       answer = {0}, numbers = {0};
-  PetscInt      *leaf, owned           = space->owned;
+  PetscInt      *leaf;
   PetscSFNode   *remote;
 
   PetscFunctionBeginUser;
   if (grid->size == 1) PetscFunctionReturn(PETSC_SUCCESS);
-  /* answer every question, in its order, with the local number here; the global one follows from the owner's first */
-  answer.count = wanted->count;
-  PetscCall(PetscMalloc1(answer.count, &answer.rank));
-  PetscCall(PetscMalloc1((answer.count + 1), &answer.offset));
-  PetscCall(PetscMalloc1((wanted->offset[wanted->count] / dim + wanted->count), &answer.data));
-  answer.offset[0] = 0;
-  for (PetscInt k = 0; k < wanted->count; k++) {
-    PetscInt fill = answer.offset[k];
-
-    answer.rank[k]      = wanted->rank[k];
-    answer.data[fill++] = space->global_begin;
-    for (PetscInt i = wanted->offset[k]; i < wanted->offset[k + 1]; i += dim)
-      answer.data[fill++] = *MapAt(MapOf(space, maps, &wanted->data[i]), &wanted->data[i]);
-    answer.offset[k + 1] = fill;
-  }
+  PetscCall(AnswerNumbers(space, wanted, maps, &answer));
   PetscCall(MpmListsExchange(grid->comm, &answer, &numbers));
   PetscCall(PetscMalloc1(ghosts, &leaf));
   PetscCall(PetscMalloc1(ghosts, &remote));
@@ -277,15 +304,7 @@ static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const M
       remote[ghost].index  = numbers.data[j];
     }
   }
-  if (space->extra.count) { /* ghosts of the last rank as its other nodes are, and behind them */
-    PetscCallMPI(MPI_Bcast(&owned, 1, MPIU_INT, grid->size - 1, grid->comm));
-    for (PetscInt k = 0; k < space->extra.count && grid->rank < grid->size - 1; k++) {
-      const PetscInt ghost = ghosts - space->extra.count + k;
-
-      leaf[ghost]   = space->owned + ghost;
-      remote[ghost] = (PetscSFNode){.rank = grid->size - 1, .index = owned - space->extra.count + k};
-    }
-  }
+  PetscCall(ScatterExtra(space, grid, leaf, remote));
   PetscCall(PetscSFCreate(grid->comm, &space->sf));
   PetscCall(PetscSFSetGraph(space->sf, space->owned, ghosts, leaf, PETSC_OWN_POINTER, remote, PETSC_OWN_POINTER));
   PetscCall(PetscSFSetUp(space->sf));

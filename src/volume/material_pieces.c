@@ -215,10 +215,30 @@ static PetscErrorCode Widen(const MpmLists *received, const MpmMaterial material
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Tells every rank the marks of cells that it owns or that lie within two cells of its own. */
-static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial materials[], MpmMaterialPieces *map)
+/* Lists with room for so many numbers to each rank; slot[r]: the list of rank r, fill[k]: where list k begins. */
+static PetscErrorCode ListsCreate(PetscMPIInt size, const PetscInt length[], MpmLists *sent, PetscInt slot[],
+                                  PetscInt fill[])
 {
-  MpmLists     sent = {0}, received = {0};
+  PetscFunctionBeginUser;
+  for (PetscMPIInt r = 0; r < size; r++) sent->count += length[r] > 0;
+  PetscCall(PetscMalloc1(sent->count, &sent->rank));
+  PetscCall(PetscMalloc1((sent->count + 1), &sent->offset));
+  sent->offset[0] = 0;
+  for (PetscMPIInt r = 0, k = 0; r < size; r++) {
+    if (!length[r]) continue;
+    sent->rank[k]       = r;
+    slot[r]             = k;
+    fill[k]             = sent->offset[k];
+    sent->offset[k + 1] = sent->offset[k] + length[r];
+    k++;
+  }
+  PetscCall(PetscMalloc1(sent->offset[sent->count], &sent->data));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The marks of this rank's cells for the ranks that own them or whose own cells lie within two of them. */
+static PetscErrorCode ListMarks(const MpmGrid *grid, const MpmMaterialPieces *map, MpmLists *sent)
+{
   PetscMPIInt *around;
   PetscInt    *length, *slot, *fill, cell[MPM_MAX_DIM];
 
@@ -236,7 +256,7 @@ static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial mater
         if (around[r] == grid->rank) continue;
         if (!pass) length[around[r]] += grid->dim + 1;
         else {
-          PetscInt *to = &sent.data[fill[slot[around[r]]]];
+          PetscInt *to = &sent->data[fill[slot[around[r]]]];
 
           for (PetscInt a = 0; a < grid->dim; a++) to[a] = cell[a];
           to[grid->dim] = mark;
@@ -244,21 +264,21 @@ static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial mater
         }
       }
     }
-    if (pass) break;
-    for (PetscMPIInt r = 0; r < grid->size; r++) sent.count += length[r] > 0;
-    PetscCall(PetscMalloc1(sent.count, &sent.rank));
-    PetscCall(PetscMalloc1((sent.count + 1), &sent.offset));
-    sent.offset[0] = 0;
-    for (PetscMPIInt r = 0, k = 0; r < grid->size; r++) {
-      if (!length[r]) continue;
-      sent.rank[k]       = r;
-      slot[r]            = k;
-      fill[k]            = sent.offset[k];
-      sent.offset[k + 1] = sent.offset[k] + length[r];
-      k++;
-    }
-    PetscCall(PetscMalloc1(sent.offset[sent.count], &sent.data));
+    if (!pass) PetscCall(ListsCreate(grid->size, length, sent, slot, fill));
   }
+  PetscCall(PetscFree(around));
+  PetscCall(PetscFree(length));
+  PetscCall(PetscFree2(slot, fill));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Tells every rank the marks of cells that it owns or that lie within two cells of its own. */
+static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial materials[], MpmMaterialPieces *map)
+{
+  MpmLists sent = {0}, received = {0};
+
+  PetscFunctionBeginUser;
+  PetscCall(ListMarks(grid, map, &sent));
   PetscCall(MpmListsExchange(grid->comm, &sent, &received));
   PetscCall(Widen(&received, materials, map));
   for (PetscInt k = 0; k < received.offset[received.count]; k += grid->dim + 1) {
@@ -269,9 +289,6 @@ static PetscErrorCode ExchangeMarks(const MpmGrid *grid, const MpmMaterial mater
   }
   PetscCall(MpmListsDestroy(&sent));
   PetscCall(MpmListsDestroy(&received));
-  PetscCall(PetscFree(around));
-  PetscCall(PetscFree(length));
-  PetscCall(PetscFree2(slot, fill));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
