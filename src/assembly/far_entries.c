@@ -112,23 +112,23 @@ PetscErrorCode MpmPatternMarkFar(MpmPattern *pattern, const MpmSpace *space, con
   PetscFunctionBeginUser;
   if (!space->extra.link_count && !space->parts.couple_count && !space->extension.count)
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscCalloc1((pattern->local + 1), &pattern->far_start));
+  PetscCall(PetscCalloc1((pattern->local + 1), &pattern->far.start));
   PetscCall(PetscCalloc1(pattern->local, &fill));
-  start    = pattern->far_start;
+  start    = pattern->far.start;
   far.fill = fill;
   AddAllFar(&far, neighbour);
   for (PetscInt i = 0; i < pattern->local; i++) {
     start[i + 1] = start[i] + fill[i];
     fill[i]      = start[i];
   }
-  PetscCall(PetscMalloc2(start[pattern->local], &pattern->far_column, start[pattern->local], &pattern->far_slot));
-  far.column = pattern->far_column;
+  PetscCall(PetscMalloc2(start[pattern->local], &pattern->far.column, start[pattern->local], &pattern->far.slot));
+  far.column = pattern->far.column;
   AddAllFar(&far, neighbour);
   for (PetscInt i = 0; i < pattern->local; i++) { /* each once; rows move up */
-    PetscInt count = start[i + 1] - start[i], *column = &pattern->far_column[start[i]];
+    PetscInt count = start[i + 1] - start[i], *column = &pattern->far.column[start[i]];
 
     if (count > 1) PetscCall(PetscSortRemoveDupsInt(&count, column));
-    for (PetscInt k = 0; k < count; k++) pattern->far_column[end + k] = column[k];
+    for (PetscInt k = 0; k < count; k++) pattern->far.column[end + k] = column[k];
     start[i] = end;
     end += count;
   }
@@ -139,7 +139,7 @@ PetscErrorCode MpmPatternMarkFar(MpmPattern *pattern, const MpmSpace *space, con
 
 PetscInt MpmPatternPosition(const MpmPattern *pattern, const MpmSpace *space, PetscInt row, PetscInt column)
 {
-  const PetscInt  far  = pattern->far_start ? pattern->far_start[row] : 0;
+  const PetscInt  far  = pattern->far.start ? pattern->far.start[row] : 0;
   const PetscInt *slot = MpmPatternSlot(pattern, space, row, column);
   PetscInt        low = 0, high = MpmPatternFarCount(pattern, row);
 
@@ -147,8 +147,8 @@ PetscInt MpmPatternPosition(const MpmPattern *pattern, const MpmSpace *space, Pe
   while (high - low > 1) {
     const PetscInt middle = (low + high) / 2;
 
-    if (pattern->far_column[far + middle] <= column) low = middle;
+    if (pattern->far.column[far + middle] <= column) low = middle;
     else high = middle;
   }
-  return pattern->far_slot[far + low];
+  return pattern->far.slot[far + low];
 }

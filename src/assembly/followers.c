@@ -114,7 +114,7 @@ void MpmPatternEliminate(MpmPattern *pattern, const MpmSpace *space)
     for (PetscInt w = 0; w < pattern->window; w++)
       if (pattern->slot[s * pattern->window + w] >= 0)
         MovePair(pattern, space, s, pattern->neighbour[s * pattern->window + w]);
-    for (PetscInt k = pattern->far_start[s]; k < pattern->far_start[s + 1]; k++)
-      MovePair(pattern, space, s, pattern->far_column[k]);
+    for (PetscInt k = pattern->far.start[s]; k < pattern->far.start[s + 1]; k++)
+      MovePair(pattern, space, s, pattern->far.column[k]);
   }
 }

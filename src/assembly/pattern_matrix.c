@@ -38,7 +38,7 @@ static PetscErrorCode ListCoordinates(const MpmPattern *pattern, const MpmSpace 
   for (PetscInt node = 0; node < pattern->local; node++) {
     for (PetscInt c = 0; c < bs; c++) {
       for (PetscInt k = pattern->row[node] * bs; k < pattern->row[node + 1] * bs; k++) {
-        i[fill]   = space->global[node] * bs + c;
+        i[fill]   = space->number.global[node] * bs + c;
         j[fill++] = pattern->column[k / bs] * bs + k % bs;
       }
     }
@@ -60,7 +60,7 @@ PetscErrorCode MpmPatternCreateMat(MpmPattern *pattern, const MpmSpace *space, M
 
   PetscFunctionBeginUser;
   PetscCall(MatCreate(comm, mat));
-  PetscCall(MatSetSizes(*mat, rows, rows, space->global_count * bs, space->global_count * bs));
+  PetscCall(MatSetSizes(*mat, rows, rows, space->number.count * bs, space->number.count * bs));
   PetscCall(MatSetBlockSize(*mat, bs));
   PetscCall(MatSetType(*mat, type));
   PetscCall(MatSetFromOptions(*mat));
@@ -94,7 +94,7 @@ PetscErrorCode MpmPatternCreateMat(MpmPattern *pattern, const MpmSpace *space, M
 /* True where all columns of an owned row are this rank's own; columns stand in ascending order. */
 static PetscBool IsInside(const MpmPattern *pattern, const MpmSpace *space, PetscInt row)
 {
-  const PetscInt begin = space->global_begin, end = begin + space->owned;
+  const PetscInt begin = space->number.begin, end = begin + space->owned;
 
   if (row >= pattern->owned) return PETSC_FALSE;
   return (PetscBool)(pattern->column[pattern->row[row]] >= begin && pattern->column[pattern->row[row + 1] - 1] < end);
@@ -138,7 +138,7 @@ PetscErrorCode MpmPatternBegin(MpmPattern *pattern, const MpmSpace *space, const
       if (inside) at += values;
       else if (own && i < pattern->owned) { /* part of it stands in the own part too */
         for (PetscInt k = pattern->row[i]; k < pattern->row[i + 1]; k++) {
-          const PetscInt column = pattern->column[k] - space->global_begin;
+          const PetscInt column = pattern->column[k] - space->number.begin;
 
           if (column >= 0 && column < space->owned) at += bs * bs;
         }
@@ -157,7 +157,7 @@ PetscErrorCode MpmPatternBegin(MpmPattern *pattern, const MpmSpace *space, const
 /* Copies the owned rows of the buffer to where they stand in the two parts of an MPIAIJ matrix. */
 static PetscErrorCode CopyBuffer(const MpmPattern *pattern, const MpmSpace *space, Mat other)
 {
-  const PetscInt bs = pattern->block, begin = space->global_begin, end = begin + space->owned;
+  const PetscInt bs = pattern->block, begin = space->number.begin, end = begin + space->owned;
   PetscScalar   *to_a = pattern->array, *b = NULL, *to_b;
 
   PetscFunctionBeginUser;
@@ -199,7 +199,7 @@ static PetscErrorCode AddRows(const MpmPattern *pattern, const MpmSpace *space, 
     const PetscInt count = pattern->row[i + 1] - pattern->row[i];
     PetscInt       rows[MPM_MAX_BLOCK];
 
-    for (PetscInt c = 0; c < bs; c++) rows[c] = space->global[i] * bs + c;
+    for (PetscInt c = 0; c < bs; c++) rows[c] = space->number.global[i] * bs + c;
     for (PetscInt k = 0; k < count * bs; k++) columns[k] = pattern->column[pattern->row[i] + k / bs] * bs + k % bs;
     PetscCall(MatSetValues(mat, bs, rows, count * bs, columns, pattern->value[i], ADD_VALUES));
   }

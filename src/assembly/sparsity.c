@@ -19,8 +19,8 @@ PetscErrorCode MpmPatternDestroy(MpmPattern **handle)
   PetscCall(PetscFree(pattern->column));
   PetscCall(PetscFree(pattern->slot));
   PetscCall(PetscFree(pattern->neighbour));
-  PetscCall(PetscFree(pattern->far_start));
-  PetscCall(PetscFree2(pattern->far_column, pattern->far_slot));
+  PetscCall(PetscFree(pattern->far.start));
+  PetscCall(PetscFree2(pattern->far.column, pattern->far.slot));
   PetscCall(PetscFree(pattern->value));
   PetscCall(PetscFree(pattern->buffer));
   PetscCall(PetscFree(*handle));
@@ -51,8 +51,8 @@ static PetscErrorCode MarkEntries(MpmPattern *pattern, const MpmSpace *space)
   PetscCall(PetscMalloc1((pattern->local * pattern->window), &pattern->slot));
   for (PetscInt i = 0; i < pattern->local * pattern->window; i++) pattern->slot[i] = -1;
   for (PetscInt i = 0; i < pattern->owned; i++) pattern->slot[i * pattern->window + (pattern->window - 1) / 2] = 0;
-  PetscCall(PetscMalloc1(PetscPowInt(space->reach + 1, space->dim), &offset));
-  for (PetscInt g = 0; g < space->box_count; g++) {
+  PetscCall(PetscMalloc1(PetscPowInt(space->boxes.reach + 1, space->dim), &offset));
+  for (PetscInt g = 0; g < space->boxes.count; g++) {
     const MpmGroup *group  = &space->groups[g];
     const PetscInt *nodes  = &space->group_nodes[group->node_offset];
     const PetscInt  center = MpmPatternOffsets(pattern, group, offset);
@@ -83,8 +83,8 @@ static PetscErrorCode FindNeighbours(const MpmPattern *pattern, const MpmSpace *
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((pattern->local * pattern->window), &found->neighbour));
   for (PetscInt i = 0; i < pattern->owned; i++) found->neighbour[i * pattern->window + (pattern->window - 1) / 2] = i;
-  PetscCall(PetscMalloc1(PetscPowInt(space->reach + 1, space->dim), &offset));
-  for (PetscInt g = 0; g < space->box_count; g++) {
+  PetscCall(PetscMalloc1(PetscPowInt(space->boxes.reach + 1, space->dim), &offset));
+  for (PetscInt g = 0; g < space->boxes.count; g++) {
     const MpmGroup *group  = &space->groups[g];
     const PetscInt *nodes  = &space->group_nodes[group->node_offset];
     const PetscInt  center = MpmPatternOffsets(pattern, group, offset);
@@ -112,14 +112,14 @@ static PetscInt RowColumns(const MpmPattern *pattern, const MpmSpace *space, con
 
   for (PetscInt w = 0; w < pattern->window; w++) {
     if (pattern->slot[begin + w] < 0) continue;
-    column[count]  = space->global[found->neighbour[begin + w]];
+    column[count]  = space->number.global[found->neighbour[begin + w]];
     place[count++] = &pattern->slot[begin + w];
   }
   for (PetscInt k = 0; k < MpmPatternFarCount(pattern, row); k++) {
-    const PetscInt at = pattern->far_start[row] + k;
+    const PetscInt at = pattern->far.start[row] + k;
 
-    column[count]  = space->global[pattern->far_column[at]];
-    place[count++] = &pattern->far_slot[at];
+    column[count]  = space->number.global[pattern->far.column[at]];
+    place[count++] = &pattern->far.slot[at];
   }
   return count;
 }
@@ -144,7 +144,7 @@ static PetscErrorCode ExchangeGhostRows(const MpmPattern *pattern, const MpmSpac
   const PetscSFNode *remote;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscSFGetGraph(space->sf, NULL, &leaves, NULL, &remote));
+  PetscCall(PetscSFGetGraph(space->number.sf, NULL, &leaves, NULL, &remote));
   PetscCall(PetscMalloc1(leaves, &sent.rank));
   PetscCall(PetscMalloc1((leaves + 1), &sent.offset));
   for (PetscInt k = 0; k < leaves; k++) size += pattern->window + 2 + MpmPatternFarCount(pattern, ghost + k);
@@ -204,7 +204,7 @@ static PetscErrorCode ListColumns(MpmPattern *pattern, const MpmSpace *space, co
 
   PetscFunctionBeginUser;
   for (PetscInt i = 0; i < pattern->local * pattern->window; i++) capacity += pattern->slot[i] == 0;
-  if (pattern->far_start) capacity += pattern->far_start[pattern->local];
+  if (pattern->far.start) capacity += pattern->far.start[pattern->local];
   if (foreign) capacity += foreign->start[pattern->owned];
   PetscCall(PetscMalloc1((pattern->local + 1), &pattern->row));
   PetscCall(PetscMalloc1(capacity, &pattern->column));
@@ -240,18 +240,18 @@ PetscErrorCode MpmPatternSetUp(MpmPattern **handle, const MpmSpace *space, MPI_C
   pattern         = *handle;
   pattern->block  = block;
   pattern->dim    = space->dim;
-  pattern->reach  = space->reach;
+  pattern->reach  = space->boxes.reach;
   pattern->window = PetscPowInt(2 * pattern->reach + 1, space->dim);
   pattern->local  = space->local;
   pattern->owned  = space->owned;
   PetscCall(MarkEntries(pattern, space));
   PetscCall(FindNeighbours(pattern, space, &found));
   PetscCall(MpmPatternMarkFar(pattern, space, found.neighbour));
-  if (space->sf) {
+  if (space->number.sf) {
     PetscCall(ExchangeGhostRows(pattern, space, comm, &found, &received));
     PetscCall(SortForeign(pattern, &received, &foreign));
   }
-  PetscCall(ListColumns(pattern, space, &found, space->sf ? &foreign : NULL));
+  PetscCall(ListColumns(pattern, space, &found, space->number.sf ? &foreign : NULL));
   PetscCall(PetscMalloc1(pattern->local, &pattern->value));
   if (space->extension.count) pattern->neighbour = found.neighbour;
   else PetscCall(PetscFree(found.neighbour));

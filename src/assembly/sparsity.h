@@ -16,26 +16,31 @@ typedef struct {
   PetscBool        transposed;
 } MpmElementAction;
 
+/* Entries that need not stand in a window, by row. */
+typedef struct {
+  PetscInt *start;  /* local + 1; NULL: there are none */
+  PetscInt *column; /* their local nodes, ascending in a row */
+  PetscInt *slot;   /* their positions in the row */
+} MpmFarEntries;
+
 /*
   The sparsity pattern, in node blocks, and where this rank's contributions go: rows of owned nodes hold what any rank
   adds to them; rows of ghosts hold this rank's part only. Columns are global node numbers, ascending. A row stands in
   the matrix's own array, or, where its columns are not all this rank's, in a buffer with the same order.
 */
 typedef struct MpmPattern {
-  PetscInt     block, dim, window, reach; /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */
-  PetscInt     local, owned;
-  PetscInt    *row;        /* local + 1: where each row's columns start */
-  PetscInt    *column;     /* global node numbers */
-  PetscInt    *slot;       /* local * window: position in the row, or -1 */
-  PetscInt    *neighbour;  /* like slot: local nodes; NULL where no node follows others */
-  PetscInt    *far_start;  /* local + 1: entries that need not stand in a window, by row; NULL: there are none */
-  PetscInt    *far_column; /* their local nodes, ascending in a row */
-  PetscInt    *far_slot;   /* their positions in the row */
-  PetscReal  **value;      /* per row, row-major: value[i][(c * columns_i + k)*block + c'] */
-  PetscReal   *buffer;
-  PetscInt64   buffer_size;
-  PetscBool    coordinates; /* all rows are in the buffer, and the matrix takes them as coordinates and values */
-  PetscScalar *array;       /* the matrix's, lent between Begin and End; NULL: all rows are in the buffer */
+  PetscInt      block, dim, window, reach; /* a row's columns lie in a window of (2*reach + 1)^dim nodes around it */
+  PetscInt      local, owned;
+  PetscInt     *row;       /* local + 1: where each row's columns start */
+  PetscInt     *column;    /* global node numbers */
+  PetscInt     *slot;      /* local * window: position in the row, or -1 */
+  PetscInt     *neighbour; /* like slot: local nodes; NULL where no node follows others */
+  MpmFarEntries far;
+  PetscReal   **value; /* per row, row-major: value[i][(c * columns_i + k)*block + c'] */
+  PetscReal    *buffer;
+  PetscInt64    buffer_size;
+  PetscBool     coordinates; /* all rows are in the buffer, and the matrix takes them as coordinates and values */
+  PetscScalar  *array;       /* the matrix's, lent between Begin and End; NULL: all rows are in the buffer */
   const MpmConstraints   *constraints; /* whose unknowns are left out, between Begin and End */
   const MpmElementAction *action;      /* NULL: blocks go to the matrix */
 } MpmPattern;

@@ -19,7 +19,7 @@ void MpmElementActPair(const MpmElementAction *action, PetscInt bs, PetscInt n, 
 /* How many of them a row has. */
 static inline PetscInt MpmPatternFarCount(const MpmPattern *pattern, PetscInt row)
 {
-  return pattern->far_start ? pattern->far_start[row + 1] - pattern->far_start[row] : 0;
+  return pattern->far.start ? pattern->far.start[row + 1] - pattern->far.start[row] : 0;
 }
 /* Brings rows and columns of followers to those that they follow (followers.c): E^T K E of this rank's part. */
 void MpmPatternEliminate(MpmPattern *pattern, const MpmSpace *space);

@@ -82,12 +82,12 @@ PetscErrorCode MpmTermsWork(const MpmTerms *terms, const MpmSum *sum, const Pets
     PetscReal      taken;
 
     if (MpmTermsIdle(terms, k)) continue;
-    if (term->account != MPM_ACCOUNT_NONE) {
+    if (term->energy.account != MPM_ACCOUNT_NONE) {
       PetscCall(ResidualWork(terms, k, sum, at, u, &taken));
-      if (term->account == MPM_ACCOUNT_EXTERNAL) work->external -= taken;
+      if (term->energy.account == MPM_ACCOUNT_EXTERNAL) work->external -= taken;
       else work->dissipated += taken;
     }
-    if (term->work) PetscCall(term->work(terms->ctx[k], sum, at, u, work));
+    if (term->energy.work) PetscCall(term->energy.work(terms->ctx[k], sum, at, u, work));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

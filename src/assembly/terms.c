@@ -38,14 +38,14 @@ static PetscErrorCode FindNear(const MpmTerms *terms, const MpmSpace *space)
   PetscInt    count = 0;
 
   PetscFunctionBeginUser;
-  if (!space->sf) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!space->number.sf) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc2(terms->count, &near, terms->count, &any));
   for (PetscInt k = 0; k < terms->count; k++)
     if (terms->term[k]->near) near[count++] = terms->term[k]->near(terms->ctx[k]);
   for (PetscInt k = 0; k < count; k++) any[k] = *near[k];
   if (count)
     PetscCall(MPIU_Allreduce(MPI_IN_PLACE, any, (PetscMPIInt)count, MPM_MPI_BOOL, MPI_LOR,
-                             PetscObjectComm((PetscObject)space->sf)));
+                             PetscObjectComm((PetscObject)space->number.sf)));
   for (PetscInt k = 0; k < count; k++) *near[k] = any[k];
   PetscCall(PetscFree2(near, any));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -93,7 +93,7 @@ PetscErrorCode MpmTermsKeepStage(const MpmTerms *terms, const MpmSum *sum, const
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < terms->count; k++)
-    if (terms->term[k]->stage) PetscCall(terms->term[k]->stage(terms->ctx[k], sum, u, theta));
+    if (terms->term[k]->step.stage) PetscCall(terms->term[k]->step.stage(terms->ctx[k], sum, u, theta));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -101,7 +101,7 @@ PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const Pe
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < terms->count; k++)
-    if (terms->term[k]->commit) PetscCall(terms->term[k]->commit(terms->ctx[k], sum, u, particles));
+    if (terms->term[k]->step.commit) PetscCall(terms->term[k]->step.commit(terms->ctx[k], sum, u, particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -109,7 +109,7 @@ PetscErrorCode MpmTermsPutBack(const MpmTerms *terms, PetscInt points, MpmPartic
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < terms->count; k++)
-    if (terms->term[k]->put_back) PetscCall(terms->term[k]->put_back(terms->ctx[k], points, particles));
+    if (terms->term[k]->step.put_back) PetscCall(terms->term[k]->step.put_back(terms->ctx[k], points, particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -172,7 +172,8 @@ PetscBool MpmTermsHaveEnergy(const MpmTerms *terms)
   for (PetscInt k = 0; k < terms->count; k++) {
     const MpmTerm *term = terms->term[k];
 
-    if (!term->points && !term->energy && !(term->quadratic && term->quadratic(terms->ctx[k]))) return PETSC_FALSE;
+    if (!term->points && !term->energy.stored && !(term->energy.quadratic && term->energy.quadratic(terms->ctx[k])))
+      return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
@@ -182,8 +183,8 @@ PetscErrorCode MpmTermsEnergy(const MpmTerms *terms, const MpmSum *sum, const Pe
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < terms->count; k++)
-    if (terms->term[k]->energy && !MpmTermsIdle(terms, k))
-      PetscCall(terms->term[k]->energy(terms->ctx[k], sum, u, energy, failed));
+    if (terms->term[k]->energy.stored && !MpmTermsIdle(terms, k))
+      PetscCall(terms->term[k]->energy.stored(terms->ctx[k], sum, u, energy, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -199,7 +200,7 @@ static PetscBool IsOther(const MpmTerm *term)
 
 static PetscBool IsQuadratic(const MpmTerm *term)
 {
-  return (PetscBool)(!term->points && !term->energy);
+  return (PetscBool)(!term->points && !term->energy.stored);
 }
 
 /* Forces of the chosen terms. */

@@ -40,6 +40,38 @@ struct MpmTermStep {
 };
 
 /*
+  Optional operations of a term with energy, for the potential of a step and the account of energy.
+
+  account    entry of the work that the term takes from the material
+  quadratic  true where the term is linear in u with a symmetric matrix, with an energy of 1/2 u . (r(u) + r(0)) in a
+             step. Energy of the points: MpmPotentialExists()
+  stored     adds the energy at u whose derivative the residual is, J, this rank's part, in place of `quadratic`; with
+             neither the term has no energy
+  work       adds other work of the forces at `at` in the displacement u
+*/
+typedef struct {
+  MpmAccount account;
+  PetscBool (*quadratic)(const void *ctx);
+  PetscErrorCode (*stored)(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal *energy,
+                           PetscInt *failed);
+  PetscErrorCode (*work)(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
+                         MpmTermWork *work);
+} MpmTermEnergy;
+
+/*
+  Optional operations at the end of a step.
+
+  stage     keeps the first of two sub-steps (sdirk.c), which counts `theta` times in the flow
+  commit    keeps the converged step
+  put_back  points that return to their places at the step's start, with the stress at its end
+*/
+typedef struct {
+  PetscErrorCode (*stage)(void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal theta);
+  PetscErrorCode (*commit)(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
+  PetscErrorCode (*put_back)(const void *ctx, PetscInt points, MpmParticles *particles);
+} MpmTermStepEnd;
+
+/*
   A term of the residual, with its derivatives. Arrays hold values at the local nodes; values of ghosts go to their
   owners later. `failed` counts points without an answer on this rank. Any function may be NULL: the term then lacks it.
 
@@ -53,25 +85,15 @@ struct MpmTermStep {
             data of its own (MpmAction)
   diagonal  its diagonal blocks, block^2 values a node; NULL: from the element blocks
   link      couples boxes with the term's extra nodes, or with one another, once it is prepared
-  stage     keeps the first of two sub-steps (sdirk.c), which counts `theta` times in the flow
-  commit    keeps the converged step
-  put_back  points that return to their places at the step's start, with the stress at its end
   traits    MpmTermTrait
   near      the term's note whether its contact is near enough to act in this step: its own rank's answer after `boxes`,
             that of all ranks later; NULL: the scene has none
 
   points     the term is the physics at the points: first in the list, with forms of the Jacobian of its own
-  quadratic  true where the term is linear in u with a symmetric matrix, with an energy of 1/2 u . (r(u) + r(0)) in a
-             step. Energy of the points: MpmPotentialExists()
-  energy     adds the energy at u whose derivative the residual is, J, this rank's part, in place of `quadratic`; with
-             neither the term has no energy
-  account    entry of the work that the term takes from the material
-  work       adds other work of the forces at `at` in the displacement u
 */
 struct MpmTerm {
   const char *name;
   PetscBool   points;
-  MpmAccount  account;
   PetscBool (*idle)(const void *ctx);
   PetscErrorCode (*boxes)(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
   PetscErrorCode (*prepare)(void *ctx, const MpmTermStep *step);
@@ -83,16 +105,10 @@ struct MpmTerm {
   PetscErrorCode (*apply)(const void *ctx, const MpmSum *sum, const PetscReal u[], const PetscReal du[], PetscReal y[]);
   PetscErrorCode (*diagonal)(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
                              PetscInt *failed);
-  PetscErrorCode (*stage)(void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal theta);
-  PetscErrorCode (*commit)(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
-  PetscBool (*quadratic)(const void *ctx);
-  PetscErrorCode (*energy)(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal *energy,
-                           PetscInt *failed);
-  PetscErrorCode (*put_back)(const void *ctx, PetscInt points, MpmParticles *particles);
   unsigned (*traits)(const void *ctx);
   PetscBool *(*near)(void *ctx);
-  PetscErrorCode (*work)(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
-                         MpmTermWork *work);
+  MpmTermEnergy  energy;
+  MpmTermStepEnd step;
   MpmTermNewton  newton;
   MpmTermMotion  motion;
   MpmTermFailure failure;

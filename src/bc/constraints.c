@@ -199,8 +199,8 @@ static PetscErrorCode SetUpFrames(MpmConstraints *constraints, const MpmPrescrip
 /* Unknowns of fields whose shape does not reach the node. */
 static void LeaveOutUnsupported(MpmConstraints *constraints, const MpmLayout *layout, const MpmSpace *space)
 {
-  for (PetscInt k = 0; space->support && k < space->local * layout->block; k++) {
-    if (space->support[k / layout->block] & 1 << layout->component[k % layout->block].shape) continue;
+  for (PetscInt k = 0; space->shapes.support && k < space->local * layout->block; k++) {
+    if (space->shapes.support[k / layout->block] & 1 << layout->component[k % layout->block].shape) continue;
     constraints->condition[k] = MPM_UNSUPPORTED;
     constraints->value[k]     = 0.;
     constraints->any          = PETSC_TRUE;

@@ -2,9 +2,9 @@
   Values that the points beside boundaries keep from step to step: slips, gaps, pressures, and whether they have let go.
   A step's patches start with them, and leave them to their points.
 */
+#include "point/layout.h"
 #include "particles/particles.h"
 #include "particles/points.h"
-#include "space/space.h"
 #include "space/sum.h"
 #include "assembly/terms.h"
 #include "contact/contact.h"
@@ -216,7 +216,7 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
 {
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
-    for (PetscInt a = 0; contacts->facets.boundaries[b].tangential && a < sum->space->dim; a++) {
+    for (PetscInt a = 0; contacts->facets.boundaries[b].tangential && a < sum->layout->dim; a++) {
       PetscReal *slip;
 
       PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].fields.slip[a], &slip));

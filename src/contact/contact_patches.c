@@ -109,7 +109,7 @@ static PetscReal Penalty(const MpmBoundary *boundary, const MpmMaterial *materia
 static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, const MpmPoints *points,
                                   const MpmSpace *space)
 {
-  const PetscInt box_begin = space->box_count;
+  const PetscInt box_begin = space->boxes.count;
   PetscReal      unit      = 1. / rules->grid->h[0];
 
   PetscFunctionBeginUser;
@@ -193,10 +193,10 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
   contacts->newton.raised                                         = 1.; /* on all ranks */
   if (!contacts->facets.boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
   contacts->weighed = PETSC_FALSE;
-  MpmFacetsSetPoses(&contacts->facets, rules->time_n, rules->time);
+  MpmFacetsSetPoses(&contacts->facets, rules->time.start, rules->time.end);
   PetscCall(MpmFacetsBegin(&contacts->facets, rules->grid, points));
   contacts->tilt = TILT * contacts->facets.cell;
-  MpmRigidBegin(contacts, rules->time, rules->dynamic ? rules->time - rules->time_n : 0., rules->gravity);
+  MpmRigidBegin(contacts, rules->time.end, rules->dynamic ? rules->time.end - rules->time.start : 0., rules->gravity);
   do {
     PetscCall(FindPatches(contacts, rules, points, space));
     if (contacts->facets.bodies) PetscCall(MpmRigidSettle(contacts, rules->grid, &moved));
@@ -223,7 +223,7 @@ static void Strengths(MpmContacts *contacts, const MpmSum *sum)
         facet->area / patch->area *
         (facet->piece ? contacts->facets.pieces.at[facet->piece - 1].kept[MPM_PIECE_STRENGTH]
                       : MpmMaterialShearStrength(material, MpmPointOwn(sum->points, material, facet->point),
-                                                 sum->points->state + facet->point * sum->state_size));
+                                                 sum->points->state + facet->point * sum->kept.state));
     }
   }
 }
@@ -265,14 +265,14 @@ PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step)
 
   PetscFunctionBeginUser;
   if (!contacts->facets.boundary_count) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmFacetsSetPoses(&contacts->facets, step->rules->time_n, step->rules->time);
+  MpmFacetsSetPoses(&contacts->facets, step->rules->time.start, step->rules->time.end);
   if (!again) PetscCall(WeighFacets(contacts, step));
   PetscCall(MpmPiecesLoad(&contacts->facets, step));
   Strengths(contacts, step->sum);
   PetscCall(MpmContactsLoad(contacts, step));
   if (!again || !contacts->facets.bodies) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmRigidBegin(contacts, step->rules->time, step->rules->dynamic ? step->rules->time - step->rules->time_n : 0.,
-                step->rules->gravity);
+  MpmRigidBegin(contacts, step->rules->time.end,
+                step->rules->dynamic ? step->rules->time.end - step->rules->time.start : 0., step->rules->gravity);
   while (moved) PetscCall(MpmRigidSettle(contacts, step->rules->grid, &moved));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

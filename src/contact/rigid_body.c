@@ -398,16 +398,16 @@ static unsigned Traits(const void *ctx)
 }
 
 const MpmTerm MpmTermRigidBodies = {
-  .name     = "rigid bodies",
-  .account  = MPM_ACCOUNT_DISSIPATED,
-  .idle     = Idle,
-  .boxes    = Boxes,
-  .link     = Link,
-  .residual = Residual,
-  .tangent  = Tangent,
-  .commit   = Commit,
-  .traits   = Traits,
-  .work     = Work,
-  .newton   = {.imbalance = Imbalance, .relax = MpmRigidRelax, .guess = Guess, .mode = Mode},
-  .motion   = {.rest = MpmRigidRest, .lend = MpmRigidLend, .take = MpmRigidTake, .kinetic = MpmRigidKinetic},
-  .failure  = {.refuses = MpmRigidRefuses, .stray = MpmRigidStray, .unheld = MpmRigidUnheld}};
+  .name           = "rigid bodies",
+  .energy.account = MPM_ACCOUNT_DISSIPATED,
+  .idle           = Idle,
+  .boxes          = Boxes,
+  .link           = Link,
+  .residual       = Residual,
+  .tangent        = Tangent,
+  .step.commit    = Commit,
+  .traits         = Traits,
+  .energy.work    = Work,
+  .newton         = {.imbalance = Imbalance, .relax = MpmRigidRelax, .guess = Guess, .mode = Mode},
+  .motion         = {.rest = MpmRigidRest, .lend = MpmRigidLend, .take = MpmRigidTake, .kinetic = MpmRigidKinetic},
+  .failure        = {.refuses = MpmRigidRefuses, .stray = MpmRigidStray, .unheld = MpmRigidUnheld}};

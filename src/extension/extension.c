@@ -370,7 +370,7 @@ static PetscErrorCode FindFollowers(Search *search, PetscInt count, Found *found
   PetscInt        piece[MPM_MAX_DIM], node[MPM_MAX_DIM], low[MPM_MAX_DIM], high[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
-  for (PetscInt g = 0; g < space->box_count; g++) {
+  for (PetscInt g = 0; g < space->boxes.count; g++) {
     const MpmGroup *box = &space->groups[g];
 
     for (PetscInt k = 0; k < box->node_count && !box->holes; k++) {
@@ -395,7 +395,7 @@ static PetscErrorCode AppendBoxes(Search *search, const Found *found)
 {
   MpmSpace      *space = search->space;
   MpmGroup      *boxes;
-  const PetscInt dim = space->dim, begin = space->box_count;
+  const PetscInt dim = space->dim, begin = space->boxes.count;
   PetscInt       count = 0, piece[MPM_MAX_DIM];
   MpmPieceLine   lines[MPM_MAX_DIM];
 
@@ -448,7 +448,7 @@ PetscErrorCode MpmExtensionBoxes(const MpmRules *rules, const MpmPoints *points,
 {
   Search         search = {.rules = rules, .space = space};
   Found          found  = {0};
-  const PetscInt begin  = space->box_count;
+  const PetscInt begin  = space->boxes.count;
   PetscInt       count, piece[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;

@@ -124,7 +124,7 @@ static void FindOverlap(PetscInt degree, PetscReal xi, PetscReal half, Overlap *
 static PetscBool TouchesAll(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces,
                             const MpmPoints *points, PetscInt p, const PetscInt piece[])
 {
-  const PetscInt *first = &space->first[p * space->dim], *count = &space->count[p * space->dim];
+  const PetscInt *first = &space->touched.first[p * space->dim], *count = &space->touched.count[p * space->dim];
   const PetscInt  part  = MpmSpacePart(space, piece);
   PetscInt        shift = space->parts.stride * part, least = count[0], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
   MpmPieceLine    lines[MPM_MAX_DIM];
@@ -157,8 +157,8 @@ static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoin
 {
   const MpmGrid  *grid = rules->grid;
   const PetscInt  dim = space->dim, shift = MpmSpaceShift(space, points->part, p);
-  const PetscReal volume             = MpmPointExtent(points, dim, p);
-  const PetscReal cube               = space->half ? 0. : 0.5 * PetscPowReal(PetscMax(volume, 0.), 1. / (PetscReal)dim);
+  const PetscReal volume = MpmPointExtent(points, dim, p);
+  const PetscReal cube   = space->shapes.half ? 0. : 0.5 * PetscPowReal(PetscMax(volume, 0.), 1. / (PetscReal)dim);
   PetscInt        first[MPM_MAX_DIM] = {0, 0, 0}, count[MPM_MAX_DIM] = {1, 1, 1}, piece[MPM_MAX_DIM] = {0, 0, 0};
   Overlap         overlap[MPM_MAX_DIM];
   PetscReal       units = (PetscReal)MPM_PIECE_FULL * volume;
@@ -166,14 +166,15 @@ static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoin
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal xi = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
 
-    FindOverlap(pieces->degree, xi, space->half ? space->half[p * dim + a] : cube / grid->h[a], &overlap[a]);
+    FindOverlap(pieces->degree, xi, space->shapes.half ? space->shapes.half[p * dim + a] : cube / grid->h[a],
+                &overlap[a]);
     piece[a] = (PetscInt)PetscFloorReal(xi + (pieces->degree % 2 ? 0. : 0.5));
     first[a] = overlap[a].first;
     count[a] = overlap[a].count;
     units /= grid->h[a];
   }
   piece[dim - 1] += shift;
-  if (!space->half) Add(pieces, piece, 0, TouchesAll(space, rules, pieces, points, p, piece) ? 2 : 1);
+  if (!space->shapes.half) Add(pieces, piece, 0, TouchesAll(space, rules, pieces, points, p, piece) ? 2 : 1);
   MPM_FOR_BOX(first, count, piece)
   {
     PetscInt  at[MPM_MAX_DIM] = {piece[0], piece[1], piece[2]};
@@ -181,7 +182,7 @@ static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoin
 
     for (PetscInt a = 0; a < dim; a++) part *= overlap[a].share[piece[a] - first[a]];
     at[dim - 1] += shift;
-    Add(pieces, at, (PetscInt)PetscMin(PetscMax(part, 0.), (PetscReal)PETSC_INT_MAX), space->half ? 2 : 0);
+    Add(pieces, at, (PetscInt)PetscMin(PetscMax(part, 0.), (PetscReal)PETSC_INT_MAX), space->shapes.half ? 2 : 0);
   }
 }
 
@@ -202,15 +203,15 @@ static void FindBounds(const MpmSpace *space, PetscInt margin, MpmPieces *pieces
   PetscInt upper[MPM_MAX_DIM] = {0, 0, 0};
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) pieces->lower[a] = a < space->dim ? PETSC_INT_MAX : 0;
-  for (PetscInt g = 0; g < space->box_count; g++) {
+  for (PetscInt g = 0; g < space->boxes.count; g++) {
     for (PetscInt a = 0; a < space->dim; a++) {
       pieces->lower[a] = PetscMin(pieces->lower[a], space->groups[g].first[a] - margin);
       upper[a]         = PetscMax(upper[a], space->groups[g].first[a] + space->groups[g].count[a] + margin);
     }
   }
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-    pieces->size[a] = a >= space->dim ? 1 : space->box_count ? upper[a] - pieces->lower[a] : 0;
-  if (!space->box_count) pieces->lower[0] = pieces->lower[1] = pieces->lower[2] = 0;
+    pieces->size[a] = a >= space->dim ? 1 : space->boxes.count ? upper[a] - pieces->lower[a] : 0;
+  if (!space->boxes.count) pieces->lower[0] = pieces->lower[1] = pieces->lower[2] = 0;
 }
 
 static PetscErrorCode Allocate(MpmPieces *pieces)
@@ -380,7 +381,7 @@ PetscErrorCode MpmPiecesCreate(const MpmSpace *space, const MpmRules *rules, con
   PetscCall(Allocate(pieces));
   for (PetscInt p = 0; p < space->point_count; p++) AddPoint(space, rules, points, p, pieces);
   if (rules->grid->size > 1) {
-    for (PetscInt g = 0; g < space->box_count; g++)
+    for (PetscInt g = 0; g < space->boxes.count; g++)
       for (PetscInt a = 0; a < space->dim; a++) widest = PetscMax(widest, space->groups[g].count[a]);
     PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &widest, 1, MPIU_INT, MPI_MAX, rules->grid->comm));
     PetscCall(Exchange(space, rules->grid, widest + margin + MARGIN_OF_RANKS, pieces));

@@ -305,7 +305,7 @@ PetscErrorCode MpmPiecesLoad(MpmFacets *facets, const MpmTermStep *step)
     const MpmMaterial *material = &sum->materials[sum->points->material[p]];
 
     facets->pieces.at[k].kept[MPM_PIECE_STRENGTH] = MpmMaterialShearStrength(
-      material, MpmPointOwn(sum->points, material, p), sum->points->state + p * sum->state_size);
+      material, MpmPointOwn(sum->points, material, p), sum->points->state + p * sum->kept.state);
   }
   PetscCall(ShareWithNeighbours(facets, sum->grid));
   PetscFunctionReturn(PETSC_SUCCESS);

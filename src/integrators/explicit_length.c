@@ -29,7 +29,7 @@ MPM_INLINE PetscReal Crossing(const PetscInt dim, const MpmModel model, const Mp
 
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &sum->materials[points->material[p]];
-    const PetscReal   *state = points->state ? &points->state[p * sum->state_size] : NULL, *F = MpmPointF(points, p);
+    const PetscReal   *state = points->state ? &points->state[p * sum->kept.state] : NULL, *F = MpmPointF(points, p);
     const double      *own     = MpmPointOwn(points, material, p);
     const PetscReal    density = own ? MpmMaterialDensity(material, own) : material->density;
     const PetscReal    c       = MpmWaveSpeed(dim, MpmMaterialStiffnessAt(material, own, state, F), density,
@@ -90,7 +90,7 @@ static PetscErrorCode FindScaledStep(MpmModel model)
   PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &sum->materials[points->material[p]];
-    const PetscReal   *state    = points->state ? &points->state[p * sum->state_size] : NULL;
+    const PetscReal   *state    = points->state ? &points->state[p * sum->kept.state] : NULL;
 
     slowest = PetscMin(slowest, MpmMaterialWaveSpeed(material, MpmPointOwn(points, material, p), dim, state,
                                                      MpmPointF(points, p), &points->stress[p * MpmSymSize(dim)]));

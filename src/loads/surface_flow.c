@@ -204,7 +204,7 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   PetscFunctionBeginUser;
   if (!step->sum->first) PetscCall(PetscArrayzero(faces->first, faces->surfaces->count));
   for (PetscInt k = 0; k < faces->list.count; k++) {
-    faces->list.at[k].water = OpenWater(faces, &faces->list.at[k], step->rules->time);
+    faces->list.at[k].water = OpenWater(faces, &faces->list.at[k], step->rules->time.end);
     faces->list.at[k].rest  = AtRest(faces, &faces->list.at[k], step->sum);
     if (IsHeld(faces, &faces->list.at[k])) PetscCall(PrepareFace(faces, step->sum, &faces->list.at[k]));
   }
@@ -399,10 +399,10 @@ PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const MpmTerm MpmTermSurfaceFlow = {.name     = "water through surfaces",
-                                    .prepare  = Prepare,
-                                    .residual = Residual,
-                                    .tangent  = Tangent,
-                                    .apply    = Apply,
-                                    .diagonal = Diagonal,
-                                    .stage    = KeepStage};
+const MpmTerm MpmTermSurfaceFlow = {.name       = "water through surfaces",
+                                    .prepare    = Prepare,
+                                    .residual   = Residual,
+                                    .tangent    = Tangent,
+                                    .apply      = Apply,
+                                    .diagonal   = Diagonal,
+                                    .step.stage = KeepStage};

@@ -231,11 +231,11 @@ static PetscBool Idle(const void *ctx)
   return (PetscBool) !((const MpmSurfaceFaces *)ctx)->list.count;
 }
 
-const MpmTerm MpmTermSurfaces = {.name     = "surfaces of bodies",
-                                 .account  = MPM_ACCOUNT_EXTERNAL,
-                                 .idle     = Idle,
-                                 .boxes    = MpmSurfaceFacesFind,
-                                 .residual = Residual,
-                                 .tangent  = Tangent,
-                                 .apply    = Apply,
-                                 .diagonal = Diagonal};
+const MpmTerm MpmTermSurfaces = {.name           = "surfaces of bodies",
+                                 .energy.account = MPM_ACCOUNT_EXTERNAL,
+                                 .idle           = Idle,
+                                 .boxes          = MpmSurfaceFacesFind,
+                                 .residual       = Residual,
+                                 .tangent        = Tangent,
+                                 .apply          = Apply,
+                                 .diagonal       = Diagonal};

@@ -226,7 +226,7 @@ static PetscErrorCode PrintSizes(MpmModel model, PetscReal seconds)
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(text, sizeof(text), "%" PetscInt64_FMT, model->state.particles->total));
   PetscCall(PrintLine(model->comm, "points", "", text));
-  PetscCall(PetscSNPrintf(text, sizeof(text), "%" PetscInt_FMT, model->disc.space->unknown_count));
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%" PetscInt_FMT, model->disc.space->number.unknowns));
   PetscCall(PrintLine(model->comm, "unknowns", "", text));
   PetscCall(Memory(model->comm, &memory));
   PetscCall(PetscSNPrintf(text, sizeof(text), "%.0f MB on %d rank%s", (double)(memory / 1e6), model->size,

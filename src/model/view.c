@@ -87,14 +87,14 @@ static PetscErrorCode ViewSpace(const MpmModel model, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    "%" PetscInt_FMT " active nodes, %" PetscInt_FMT " unknowns, at most %" PetscInt_FMT
                                    " nodes a point and axis\n",
-                                   space->global_count, space->unknown_count, space->width));
+                                   space->number.count, space->number.unknowns, space->width));
   PetscCall(PetscViewerASCIIPushSynchronized(viewer));
   PetscCall(PetscViewerASCIISynchronizedPrintf(
     viewer,
     "[%d] %" PetscInt_FMT " points in %" PetscInt_FMT " groups, %" PetscInt_FMT " nodes and %" PetscInt_FMT
     " ghosts, %" PetscInt_FMT " faces of the ghost penalty, %" PetscInt_FMT " cells with a mean\n",
-    model->rank, space->point_count, space->group_count, space->owned, space->local - space->owned, space->faces.count,
-    space->cell_count));
+    model->rank, space->point_count, space->group_count, space->owned, space->local - space->owned,
+    space->boxes.faces.count, space->cells.count));
   PetscCall(PetscViewerFlush(viewer));
   PetscCall(PetscViewerASCIIPopSynchronized(viewer));
   PetscCall(PetscViewerASCIIPopTab(viewer));
@@ -131,7 +131,7 @@ PetscErrorCode MpmModelView(MpmModel model, PetscViewer viewer)
   PetscCheck(ascii, model->comm, PETSC_ERR_SUP, "a model is viewed as text only");
   PetscCall(ViewScene(model, viewer));
   PetscCall(ViewGrid(model, viewer));
-  if (model->disc.space->global_count) PetscCall(ViewSpace(model, viewer));
+  if (model->disc.space->number.count) PetscCall(ViewSpace(model, viewer));
   PetscCall(ViewResults(model, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "Solver: %s, Jacobian %s\n", model->solver.preset.name,
                                    MpmJacobianTypes[model->solver.jacobian.form]));

@@ -47,7 +47,7 @@ static PetscErrorCode ListSpanned(const MpmSpace *space, PetscInt corners, Petsc
           for (PetscInt c = 0; c < corners; c++) {
             const PetscInt *step = corner_step[c];
 
-            cell[c] = space->global[touched[((k + step[2]) * n[1] + j + step[1]) * n[0] + i + step[0]]];
+            cell[c] = space->number.global[touched[((k + step[2]) * n[1] + j + step[1]) * n[0] + i + step[0]]];
           }
         }
       }
@@ -90,7 +90,7 @@ static PetscErrorCode HandOver(const MpmSpace *space, const MpmGrid *grid, Petsc
   }
   PetscCall(MpmListsExchange(grid->comm, &sent, &received));
   for (PetscInt k = 0; k < received.offset[received.count]; k += corners)
-    PetscCall(PetscArraycpy(&nodes[(received.data[k] - space->global_begin) * corners], &received.data[k], corners));
+    PetscCall(PetscArraycpy(&nodes[(received.data[k] - space->number.begin) * corners], &received.data[k], corners));
   PetscCall(MpmListsDestroy(&sent));
   PetscCall(MpmListsDestroy(&received));
   PetscCall(PetscFree2(length, fill));
@@ -242,7 +242,7 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
       .name = model->disc.layout->component[c].name, .components = 1, .fill = FillNodal, .ctx = &others[c]};
   }
   {
-    const MpmTable node_table = {WrittenCount(space), space->global, count, sets};
+    const MpmTable node_table = {WrittenCount(space), space->number.global, count, sets};
 
     PetscCall(
       MpmOutputWriteGrid(model->results->states.file, model->state.step, model->state.time, &node_table, &cell_table));

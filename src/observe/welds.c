@@ -39,11 +39,11 @@ static PetscErrorCode BodiesAtNodes(MpmModel model, const PetscInt body_of[], Pe
       }
     }
   }
-  if (!space->sf) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSFReduceBegin(space->sf, MPIU_INT, low, low, MPI_MIN));
-  PetscCall(PetscSFReduceEnd(space->sf, MPIU_INT, low, low, MPI_MIN));
-  PetscCall(PetscSFReduceBegin(space->sf, MPIU_INT, high, high, MPI_MAX));
-  PetscCall(PetscSFReduceEnd(space->sf, MPIU_INT, high, high, MPI_MAX));
+  if (!space->number.sf) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSFReduceBegin(space->number.sf, MPIU_INT, low, low, MPI_MIN));
+  PetscCall(PetscSFReduceEnd(space->number.sf, MPIU_INT, low, low, MPI_MIN));
+  PetscCall(PetscSFReduceBegin(space->number.sf, MPIU_INT, high, high, MPI_MAX));
+  PetscCall(PetscSFReduceEnd(space->number.sf, MPIU_INT, high, high, MPI_MAX));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

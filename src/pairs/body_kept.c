@@ -6,7 +6,6 @@
 #include "point/material.h"
 #include "particles/particles.h"
 #include "space/rules.h"
-#include "space/space.h"
 #include "space/sum.h"
 #include "assembly/terms.h"
 #include "pairs/body_facets.h"
@@ -85,7 +84,7 @@ static void OpenPatch(const MpmPairContacts *contacts, const MpmSum *sum, MpmPai
 PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
 {
   MpmPairContacts *contacts = (MpmPairContacts *)ctx;
-  const PetscInt   dim      = step->sum->space->dim;
+  const PetscInt   dim      = step->sum->layout->dim;
   PetscReal       *mean;
 
   PetscFunctionBeginUser;

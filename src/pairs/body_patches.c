@@ -213,7 +213,7 @@ static PetscErrorCode AppendForeign(const MpmPairContacts *contacts, MpmSpace *s
 /* Boxes of both sides of all patches. */
 static PetscErrorCode MakeSides(MpmPairContacts *contacts, MpmSpace *space)
 {
-  const PetscInt begin = space->box_count;
+  const PetscInt begin = space->boxes.count;
   MpmGroup      *boxes;
 
   PetscFunctionBeginUser;
@@ -338,7 +338,7 @@ PetscErrorCode MpmPairPatchesFind(void *ctx, const MpmRules *rules, const MpmPoi
   contacts->cell = PETSC_INFINITY;
   for (PetscInt a = 0; a < space->dim; a++) contacts->cell = PetscMin(contacts->cell, rules->grid->h[a]);
   contacts->touch   = TOUCH * contacts->cell;
-  contacts->starts  = (PetscBool)(rules->time_n == 0. && !rules->put_back);
+  contacts->starts  = (PetscBool)(rules->time.start == 0. && !rules->put_back);
   contacts->dynamic = rules->dynamic;
   PetscCall(MpmPairFacetsFind(contacts, rules, points, space));
   if (!contacts->facets.count) PetscFunctionReturn(PETSC_SUCCESS);

@@ -36,19 +36,19 @@ static void BoxOfGroups(const MpmSpace *space, const MpmCell *cell, MpmGroup *bo
 static PetscErrorCode Shares(MpmSpace *space, const MpmPoints *points)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(space->point_count, &space->share));
-  for (PetscInt c = 0; c < space->cell_count; c++) {
-    const PetscInt begin = space->groups[space->cells[c].group_begin].point_begin;
-    const PetscInt end   = space->groups[space->cells[c].group_end - 1].point_end;
+  PetscCall(PetscMalloc1(space->point_count, &space->cells.share));
+  for (PetscInt c = 0; c < space->cells.count; c++) {
+    const PetscInt begin = space->groups[space->cells.at[c].group_begin].point_begin;
+    const PetscInt end   = space->groups[space->cells.at[c].group_end - 1].point_end;
     PetscReal      total = 0.;
 
     for (PetscInt s = begin; s < end; s++) {
       const PetscInt p = space->order[s];
 
-      space->share[p] = points->volume0[p] * MpmPointJ(points, p);
-      total += space->share[p];
+      space->cells.share[p] = points->volume0[p] * MpmPointJ(points, p);
+      total += space->cells.share[p];
     }
-    for (PetscInt s = begin; s < end; s++) space->share[space->order[s]] /= total;
+    for (PetscInt s = begin; s < end; s++) space->cells.share[space->order[s]] /= total;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -60,17 +60,17 @@ PetscErrorCode MpmCellsBoxes(void *ctx, const MpmRules *rules, const MpmPoints *
   PetscFunctionBeginUser;
   (void)ctx;
   (void)rules;
-  space->cell_count = space->group_count ? space->groups[space->group_count - 1].cell + 1 : 0;
-  PetscCall(PetscMalloc1(space->cell_count, &space->cells));
+  space->cells.count = space->group_count ? space->groups[space->group_count - 1].cell + 1 : 0;
+  PetscCall(PetscMalloc1(space->cells.count, &space->cells.at));
   for (PetscInt g = 0; g < space->group_count; g++) {
-    MpmCell *cell = &space->cells[space->groups[g].cell];
+    MpmCell *cell = &space->cells.at[space->groups[g].cell];
 
     if (!g || space->groups[g].cell != space->groups[g - 1].cell) cell->group_begin = g;
     cell->group_end = g + 1;
   }
-  for (PetscInt c = 0; c < space->cell_count; c++) space->cells[c].box = space->box_count + c;
-  PetscCall(MpmSpaceAppendBoxes(space, space->cell_count, &boxes));
-  for (PetscInt c = 0; c < space->cell_count; c++) BoxOfGroups(space, &space->cells[c], &boxes[c]);
+  for (PetscInt c = 0; c < space->cells.count; c++) space->cells.at[c].box = space->boxes.count + c;
+  PetscCall(MpmSpaceAppendBoxes(space, space->cells.count, &boxes));
+  for (PetscInt c = 0; c < space->cells.count; c++) BoxOfGroups(space, &space->cells.at[c], &boxes[c]);
   PetscCall(Shares(space, points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -85,8 +85,8 @@ PetscErrorCode MpmCellWorkCreate(const MpmSum *sum, MpmCellWork *work)
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(work, sizeof(*work)));
   if (!sum->layout->means) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt c = 0; c < space->cell_count; c++)
-    most = PetscMax(most, MpmCellEnd(sum, &space->cells[c]) - MpmCellBegin(sum, &space->cells[c]));
+  for (PetscInt c = 0; c < space->cells.count; c++)
+    most = PetscMax(most, MpmCellEnd(sum, &space->cells.at[c]) - MpmCellBegin(sum, &space->cells.at[c]));
   PetscCall(PetscMalloc5(most, &work->point, (most * size), &work->storage, (n * bs), &work->values, (n * bs),
                          &work->dvalues, (n * bs), &work->force));
   for (PetscInt k = 0; k < most; k++) {
@@ -149,7 +149,7 @@ MPM_INLINE PetscErrorCode CellMean(const PetscInt N, const MpmSum *sum, const Mp
   work->mean = 0.;
   for (PetscInt s = work->begin; s < end; s++) {
     MpmCellPoint   *at = &work->point[s - work->begin];
-    const PetscReal w  = sum->space->share[sum->space->order[s]];
+    const PetscReal w  = sum->space->cells.share[sum->space->order[s]];
     PetscReal       m;
 
     MpmSumPoint(sum, sum->space->order[s], &at->point);
@@ -207,7 +207,7 @@ MPM_INLINE PetscErrorCode CellTangent(const PetscInt N, const MpmSum *sum, const
   }
   for (PetscInt s = work->begin; s < end && *failed == before; s++) {
     const MpmCellPoint *at = &work->point[s - work->begin];
-    const PetscReal     f  = work->mean_flux * sum->space->share[sum->space->order[s]];
+    const PetscReal     f  = work->mean_flux * sum->space->cells.share[sum->space->order[s]];
 
     for (PetscInt k = 0; k < N; k++) at->flux[k] += work->mean_flux * at->tangent.dm[k];
     for (PetscInt k = 0; k < N * N; k++) at->tangent.by_input[k] += f * at->ddm[k];

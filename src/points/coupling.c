@@ -6,7 +6,7 @@
 
 PetscErrorCode MpmCouplingCreate(const MpmSum *sum, MpmCoupling *coupling)
 {
-  const PetscInt n = PetscPowInt(sum->space->reach + 1, sum->space->dim) * sum->block;
+  const PetscInt n = PetscPowInt(sum->space->boxes.reach + 1, sum->space->dim) * sum->block;
 
   PetscFunctionBeginUser;
   PetscCall(MpmCellWorkCreate(sum, &coupling->cell));
@@ -45,7 +45,7 @@ PetscErrorCode MpmCouplingBegin(const MpmSum *sum, const MpmCell *cell, const Pe
 MPM_INLINE void TakePart(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, MpmCoupling *coupling)
 {
   const PetscInt bs = known.block, *const count = known.count;
-  const MpmGroup *box = &sum->space->groups[sum->space->cells[group->cell].box];
+  const MpmGroup *box = &sum->space->groups[sum->space->cells.at[group->cell].box];
   PetscInt        i   = 0;
 
   for (PetscInt l = 0; l < count[2]; l++) {

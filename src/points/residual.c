@@ -39,9 +39,9 @@ PetscErrorCode MpmCellsResidual(const void *ctx, const MpmSum *sum, const PetscR
   PetscFunctionBeginUser;
   (void)ctx;
   PetscCall(MpmCellWorkCreate(sum, &work));
-  for (PetscInt c = 0; c < sum->space->cell_count; c++) {
-    PetscCall(MpmCellResidual(sum, &sum->space->cells[c], u, &work, failed));
-    if (!*failed) PetscCall(MpmCellScatter(sum, &sum->space->cells[c], &work, residual));
+  for (PetscInt c = 0; c < sum->space->cells.count; c++) {
+    PetscCall(MpmCellResidual(sum, &sum->space->cells.at[c], u, &work, failed));
+    if (!*failed) PetscCall(MpmCellScatter(sum, &sum->space->cells.at[c], &work, residual));
   }
   PetscCall(MpmCellWorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -30,7 +30,7 @@ PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBo
     PetscCall(
       PetscMalloc1(((size_t)sum->space->point_count * (size_t)MpmTangentSize(sum->layout) + 1), &action->tangent));
   PetscCall(MpmCellWorkCreate(sum, &action->cell));
-  PetscCall(PetscMalloc1(sum->space->cell_count, &action->mean_flux));
+  PetscCall(PetscMalloc1(sum->space->cells.count, &action->mean_flux));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -81,7 +81,7 @@ MPM_INLINE PetscErrorCode StoreGroup(const MpmKnown known, MpmAction *action, co
 /* Keeps the tangents of a cell's points, or the flux conjugate to its mean. */
 static PetscErrorCode StoreCell(MpmAction *action, PetscInt c, PetscInt *failed)
 {
-  const MpmCell *cell = &action->sum->space->cells[c];
+  const MpmCell *cell = &action->sum->space->cells.at[c];
   const PetscInt size = MpmTangentSize(action->sum->layout), begin = MpmCellBegin(action->sum, cell);
   MpmSum         sum = *action->sum;
 
@@ -104,7 +104,7 @@ PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscIn
   *failed = 0;
   PetscCall(PetscArraycpy(action->u, u, sum->space->local * sum->block));
   if (sum->layout->means) {
-    for (PetscInt c = 0; c < sum->space->cell_count; c++) PetscCall(StoreCell(action, c, failed));
+    for (PetscInt c = 0; c < sum->space->cells.count; c++) PetscCall(StoreCell(action, c, failed));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt g = 0; action->tangent && g < sum->space->group_count; g++) {
@@ -219,8 +219,8 @@ MPM_INLINE PetscErrorCode ChangeCell(const PetscInt N, const MpmAction *action, 
 {
   const MpmCellWork *work  = &action->cell;
   const PetscInt    *order = action->sum->space->order;
-  const PetscReal   *share = action->sum->space->share;
-  const PetscInt     begin = work->begin, end = MpmCellEnd(action->sum, &action->sum->space->cells[c]);
+  const PetscReal   *share = action->sum->space->cells.share;
+  const PetscInt     begin = work->begin, end = MpmCellEnd(action->sum, &action->sum->space->cells.at[c]);
   PetscReal          dmean = 0., dmean_flux = 0.;
 
   for (PetscInt s = begin; s < end; s++) {
@@ -252,7 +252,7 @@ MPM_INLINE PetscErrorCode ChangeCell(const PetscInt N, const MpmAction *action, 
 static PetscErrorCode ApplyCell(MpmAction *action, PetscInt c, const PetscReal du[], PetscReal y[], PetscInt *failed)
 {
   const MpmSum  *sum  = action->sum;
-  const MpmCell *cell = &sum->space->cells[c];
+  const MpmCell *cell = &sum->space->cells.at[c];
 
   PetscFunctionBeginUser;
   PetscCall(MpmCellInputs(sum, cell, action->tangent ? NULL : action->u, du, &action->cell));

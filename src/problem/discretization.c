@@ -57,8 +57,8 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   PetscFunctionBeginUser;
   disc->material.count  = materials->count;
   disc->sum->materials  = materials->at;
-  disc->sum->state_size = state_size;
-  disc->sum->own_size   = disc->layout->own.size;
+  disc->sum->kept.state = state_size;
+  disc->sum->kept.own   = disc->layout->own.size;
   PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, disc->context.contacts));
   disc->context.contacts->facets.shaped = bodies;
   PetscCall(MpmRigidCreate(disc->context.contacts, placements));
@@ -112,7 +112,7 @@ PetscInt MpmNodesOwned(const MpmDiscretization *disc)
 
 PetscInt MpmNodesTotal(const MpmDiscretization *disc)
 {
-  return disc->space->global_count;
+  return disc->space->number.count;
 }
 
 PetscBool MpmNodeInGrid(const MpmDiscretization *disc, PetscInt node)

@@ -332,7 +332,7 @@ static void AddNodes(const MpmCutPass *pass, MpmCutPlane *plane, const PetscReal
 static PetscErrorCode AddGhostPenalty(MpmCutPass *pass)
 {
   const MpmSpace *space = pass->sum->space;
-  PetscInt        faces = space->faces.count, failed = 0;
+  PetscInt        faces = space->boxes.faces.count, failed = 0;
   PetscReal      *force, *share;
 
   PetscFunctionBeginUser;

@@ -53,7 +53,7 @@ static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
   PetscCall(MpmParticlesGetExtents(model->state.particles, &points, lower, upper));
   for (PetscInt p = 0; p < points.count; p++) {
     const MpmMaterial *material = &model->disc.sum->materials[points.material[p]];
-    const PetscReal   *state    = points.state ? &points.state[p * model->disc.sum->state_size] : NULL;
+    const PetscReal   *state    = points.state ? &points.state[p * model->disc.sum->kept.state] : NULL;
 
     slowest = PetscMin(slowest, MpmMaterialWaveSpeed(material, MpmPointOwn(&points, material, p), dim, state,
                                                      MpmPointF(&points, p), &points.stress[p * MpmSymSize(dim)]));

@@ -39,7 +39,7 @@ PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split)
 static PetscErrorCode CreateSets(MpmSolver *solver)
 {
   const MpmSpace *space = solver->disc->space;
-  const PetscInt  bs = solver->disc->block, dim = solver->disc->dim, begin = space->global_begin * bs;
+  const PetscInt  bs = solver->disc->block, dim = solver->disc->dim, begin = space->number.begin * bs;
   MPI_Comm        comm = solver->disc->comm;
   PetscInt       *row;
 
@@ -121,7 +121,7 @@ static PetscErrorCode GroupMass(const MpmSum *sum, const MpmGroup *group, PetscR
   PetscCall(PetscArrayzero(element, n * n));
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt     p        = sum->space->order[s];
-    const PetscReal   *state    = points->state ? &points->state[p * sum->state_size] : NULL;
+    const PetscReal   *state    = points->state ? &points->state[p * sum->kept.state] : NULL;
     const MpmMaterial *material = &sum->materials[points->material[p]];
     const PetscReal M = MpmMaterialStiffness(material, MpmPointOwn(points, material, p), state, MpmPointF(points, p));
 
@@ -158,7 +158,7 @@ static PetscErrorCode MakeMass(const MpmSolver *solver, Mat mat)
     for (PetscInt i = 0; i < group->node_count; i++) {
       const PetscInt node = space->group_nodes[group->node_offset + i];
 
-      row[i] = MpmConstraintsFree(constraints, node * bs + dim) ? space->global[node] : -1;
+      row[i] = MpmConstraintsFree(constraints, node * bs + dim) ? space->number.global[node] : -1;
     }
     PetscCall(MatSetValues(mat, group->node_count, row, group->node_count, row, element, ADD_VALUES));
   }

@@ -196,8 +196,8 @@ PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J)
   free->solver = solver;
   PetscCall(MpmActionCreate(solver->disc->terms, solver->disc->sum, stored, &free->action));
   PetscCall(PetscMalloc2((solver->disc->space->local * bs), &free->du, (solver->disc->space->local * bs), &free->y));
-  PetscCall(MatCreateShell(solver->disc->comm, rows, rows, solver->disc->space->global_count * bs,
-                           solver->disc->space->global_count * bs, free, J));
+  PetscCall(MatCreateShell(solver->disc->comm, rows, rows, solver->disc->space->number.count * bs,
+                           solver->disc->space->number.count * bs, free, J));
   PetscCall(MatSetBlockSize(*J, bs));
   PetscCall(MatShellSetOperation(*J, MATOP_MULT, (MpmFunction)MatMult_Matfree));
   if (solver->definite.symmetric)

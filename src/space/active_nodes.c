@@ -80,7 +80,7 @@ static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap maps[])
       maps[k].upper[a] = 0;
     }
   }
-  for (PetscInt g = 0; g < space->box_count; g++) {
+  for (PetscInt g = 0; g < space->boxes.count; g++) {
     const MpmGroup *group = &space->groups[g];
     NodeMap        *map   = MapOfBox(space, maps, g);
     PetscInt        last[MPM_MAX_DIM];
@@ -90,7 +90,7 @@ static PetscErrorCode MarkTouched(const MpmSpace *space, NodeMap maps[])
     MapInclude(map, last);
   }
   for (PetscInt k = 0; k < space->parts.count; k++) PetscCall(MapAllocate(&maps[k]));
-  for (PetscInt g = 0; g < space->box_count; g++) {
+  for (PetscInt g = 0; g < space->boxes.count; g++) {
     const MpmGroup *group = &space->groups[g];
     const NodeMap  *map   = MapOfBox(space, maps, g);
     PetscInt       *row;
@@ -162,7 +162,7 @@ static void NumberExtra(MpmSpace *space, PetscInt begin)
   space->extra.begin = begin;
   for (PetscInt k = 0; k < space->extra.count; k++) {
     for (PetscInt a = 0; a < space->dim; a++) space->node[(begin + k) * space->dim + a] = 0;
-    space->global[begin + k] = space->global_count - space->extra.count + k;
+    space->number.global[begin + k] = space->number.count - space->extra.count + k;
   }
 }
 
@@ -209,10 +209,10 @@ static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const Mp
   }
   space->local = space->owned + ghosts + space->extra.count;
   if (last) space->owned += space->extra.count;
-  PetscCall(PetscMalloc2((space->local * dim), &space->node, space->local, &space->global));
-  PetscCallMPI(MPI_Scan(&space->owned, &space->global_begin, 1, MPIU_INT, MPI_SUM, grid->comm));
-  space->global_begin -= space->owned;
-  PetscCall(MPIU_Allreduce(&space->owned, &space->global_count, 1, MPIU_INT, MPI_SUM, grid->comm));
+  PetscCall(PetscMalloc2((space->local * dim), &space->node, space->local, &space->number.global));
+  PetscCallMPI(MPI_Scan(&space->owned, &space->number.begin, 1, MPIU_INT, MPI_SUM, grid->comm));
+  space->number.begin -= space->owned;
+  PetscCall(MPIU_Allreduce(&space->owned, &space->number.count, 1, MPIU_INT, MPI_SUM, grid->comm));
   space->owned = 0;
   for (PetscInt part = 0; part < space->parts.count; part++) {
     PetscInt *number = maps[part].value;
@@ -224,7 +224,7 @@ static PetscErrorCode NumberOwned(MpmSpace *space, const MpmGrid *grid, const Mp
       if (*at < 0) continue;
       *at = space->owned++;
       for (PetscInt a = 0; a < dim; a++) space->node[*at * dim + a] = node[a];
-      space->global[*at] = space->global_begin + *at;
+      space->number.global[*at] = space->number.begin + *at;
     }
   }
   NumberExtra(space, last ? space->owned : space->local - space->extra.count);
@@ -247,7 +247,7 @@ static PetscErrorCode AnswerNumbers(const MpmSpace *space, const MpmLists *wante
     PetscInt fill = answer->offset[k];
 
     answer->rank[k]      = wanted->rank[k];
-    answer->data[fill++] = space->global_begin;
+    answer->data[fill++] = space->number.begin;
     for (PetscInt i = wanted->offset[k]; i < wanted->offset[k + 1]; i += dim)
       answer->data[fill++] = *MapAt(MapOf(space, maps, &wanted->data[i]), &wanted->data[i]);
     answer->offset[k + 1] = fill;
@@ -298,16 +298,17 @@ static PetscErrorCode NumberGhosts(MpmSpace *space, const MpmGrid *grid, const M
 
       *MapAt(MapOf(space, maps, &foreign->data[i]), &foreign->data[i]) = local;
       PetscCall(PetscArraycpy(&space->node[local * dim], &foreign->data[i], dim));
-      space->global[local] = numbers.data[numbers.offset[from]] + numbers.data[j];
-      leaf[ghost]          = local;
-      remote[ghost].rank   = foreign->rank[k];
-      remote[ghost].index  = numbers.data[j];
+      space->number.global[local] = numbers.data[numbers.offset[from]] + numbers.data[j];
+      leaf[ghost]                 = local;
+      remote[ghost].rank          = foreign->rank[k];
+      remote[ghost].index         = numbers.data[j];
     }
   }
   PetscCall(ScatterExtra(space, grid, leaf, remote));
-  PetscCall(PetscSFCreate(grid->comm, &space->sf));
-  PetscCall(PetscSFSetGraph(space->sf, space->owned, ghosts, leaf, PETSC_OWN_POINTER, remote, PETSC_OWN_POINTER));
-  PetscCall(PetscSFSetUp(space->sf));
+  PetscCall(PetscSFCreate(grid->comm, &space->number.sf));
+  PetscCall(
+    PetscSFSetGraph(space->number.sf, space->owned, ghosts, leaf, PETSC_OWN_POINTER, remote, PETSC_OWN_POINTER));
+  PetscCall(PetscSFSetUp(space->number.sf));
   PetscCall(MpmListsDestroy(&answer));
   PetscCall(MpmListsDestroy(&numbers));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -328,9 +329,9 @@ PetscErrorCode MpmSpaceNumberNodes(MpmSpace *space, const MpmGrid *grid)
   } else PetscCall(PetscCalloc1(1, &wanted.offset));
   PetscCall(NumberOwned(space, grid, &wanted, foreign.count ? foreign.offset[foreign.count] / grid->dim : 0, maps));
   PetscCall(NumberGhosts(space, grid, &foreign, &wanted, maps));
-  for (PetscInt g = 0; g < space->box_count; g++) total += space->groups[g].node_count;
+  for (PetscInt g = 0; g < space->boxes.count; g++) total += space->groups[g].node_count;
   PetscCall(PetscMalloc1(total, &space->group_nodes));
-  for (PetscInt g = 0, fill = 0; g < space->box_count; g++) {
+  for (PetscInt g = 0, fill = 0; g < space->boxes.count; g++) {
     const MpmGroup *group = &space->groups[g];
     const NodeMap  *map   = MapOfBox(space, maps, g);
     PetscInt       *row;
@@ -360,10 +361,10 @@ PetscErrorCode MpmSpaceToGhosts(const MpmSpace *space, PetscInt block, PetscReal
   MPI_Datatype unit;
 
   PetscFunctionBeginUser;
-  if (!space->sf) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!space->number.sf) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(BlockUnit(block, &unit));
-  PetscCall(PetscSFBcastBegin(space->sf, unit, local, local, MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(space->sf, unit, local, local, MPI_REPLACE));
+  PetscCall(PetscSFBcastBegin(space->number.sf, unit, local, local, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(space->number.sf, unit, local, local, MPI_REPLACE));
   if (block > 1) PetscCallMPI(MPI_Type_free(&unit));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -373,10 +374,10 @@ PetscErrorCode MpmSpaceAddToOwners(const MpmSpace *space, PetscInt block, PetscR
   MPI_Datatype unit;
 
   PetscFunctionBeginUser;
-  if (!space->sf) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!space->number.sf) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(BlockUnit(block, &unit));
-  PetscCall(PetscSFReduceBegin(space->sf, unit, local, local, MPIU_SUM));
-  PetscCall(PetscSFReduceEnd(space->sf, unit, local, local, MPIU_SUM));
+  PetscCall(PetscSFReduceBegin(space->number.sf, unit, local, local, MPIU_SUM));
+  PetscCall(PetscSFReduceEnd(space->number.sf, unit, local, local, MPIU_SUM));
   if (block > 1) PetscCallMPI(MPI_Type_free(&unit));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

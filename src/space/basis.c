@@ -25,7 +25,7 @@ PetscErrorCode MpmBasisDestroy(MpmBasis *basis)
 void MpmSpaceSmoothBasis(const MpmSpace *space, const PetscInt count[], PetscInt shape, PetscInt point,
                          PetscReal *const basis[])
 {
-  const MpmWeights *const of  = &space->shape[shape];
+  const MpmWeights *const of  = &space->shapes.at[shape];
   const PetscInt          dim = space->dim;
   const MpmLines          w   = MpmPointLines(dim, space, of->weight, point, &MpmLineOne);
   const MpmLines          c   = MpmPointLines(dim, space, of->cross, point, &MpmLineOne);
@@ -110,7 +110,7 @@ PetscReal MpmSpaceWeightAcross(const MpmSpace *space, const MpmGroup *group, Pet
 
   NodeAt(group, i, at);
   for (PetscInt a = 0; a < space->dim; a++)
-    if (a != axis) weight *= space->shape[0].weight[(point * space->dim + a) * space->width + at[a]];
+    if (a != axis) weight *= space->shapes.at[0].weight[(point * space->dim + a) * space->width + at[a]];
   return weight;
 }
 
@@ -123,7 +123,8 @@ PetscBool MpmSpaceTouches(const MpmSpace *space, const MpmGroup *group, PetscInt
   for (PetscInt a = 0; a < space->dim; a++) {
     const PetscInt k = (point * space->dim + a) * space->width + at[a];
 
-    if (PetscAbsReal(space->shape[0].weight[k]) <= graze && PetscAbsReal(space->shape[0].gradient[k]) * h[a] <= graze)
+    if (PetscAbsReal(space->shapes.at[0].weight[k]) <= graze &&
+        PetscAbsReal(space->shapes.at[0].gradient[k]) * h[a] <= graze)
       return PETSC_FALSE;
   }
   return PETSC_TRUE;

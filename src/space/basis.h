@@ -17,7 +17,7 @@ typedef struct {
 /* Basis functions of a space, and their places in `storage`, which has room for so many times `nodes` numbers. */
 static inline PetscInt MpmBasisCount(const MpmSpace *space)
 {
-  return space->shape_count * MPM_BASES;
+  return space->shapes.count * MPM_BASES;
 }
 static inline void MpmBasisPlace(const MpmSpace *space, PetscInt nodes, PetscReal storage[], MpmBasis *basis)
 {
@@ -104,5 +104,5 @@ PetscBool MpmSpaceTouches(const MpmSpace *space, const MpmGroup *group, PetscInt
 /* 1 over the radius of a point, 1/m; 0 without axial symmetry. */
 static inline PetscReal MpmSpaceHoop(const MpmSpace *space, PetscInt point)
 {
-  return space->shape[0].hoop ? space->shape[0].hoop[point] : 0.;
+  return space->shapes.at[0].hoop ? space->shapes.at[0].hoop[point] : 0.;
 }

@@ -26,9 +26,9 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
 
   point->material.parameter = own ? own : material->parameter;
   point->physics_parameter  = MpmMaterialPhysicsValues(material, own);
-  point->state_n            = points->state ? &points->state[p * sum->state_size] : NULL;
+  point->state_n            = points->state ? &points->state[p * sum->kept.state] : NULL;
   point->F_n                = MpmPointF(points, p);
-  point->own_n              = points->own ? &points->own[p * sum->own_size] : NULL;
+  point->own_n              = points->own ? &points->own[p * sum->kept.own] : NULL;
   point->value_n            = points->value ? &points->value[p * sum->layout->rate.count] : NULL;
   point->deviation_n        = sum->deviation_n ? &sum->deviation_n[p * sum->layout->deviation.count] : NULL;
   point->gravity            = MpmSumGravity(sum, p);
@@ -55,8 +55,8 @@ MPM_INLINE void MpmSumTrial(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   const PetscInt  dim   = sum->space->dim;
 
   if (!trial) return;
-  if (sum->own_size) point->end.own = &trial->own[p * sum->own_size];
+  if (sum->kept.own) point->end.own = &trial->own[p * sum->kept.own];
   point->end.F      = &trial->F[p * sum->points->F_size];
   point->end.stress = &trial->stress[p * MpmSymSize(dim)];
-  if (sum->materials[sum->points->material[p]].state_size) point->end.state = &trial->state[p * sum->state_size];
+  if (sum->materials[sum->points->material[p]].state_size) point->end.state = &trial->state[p * sum->kept.state];
 }

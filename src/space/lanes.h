@@ -33,7 +33,7 @@ MPM_INLINE void MpmStencilPlace(const MpmKnown known, const MpmSum *sum, const P
 {
   const MpmGrid   *grid = sum->grid;
   const PetscInt   dim = known.dim, W = sum->space->width;
-  const PetscReal *w = &sum->space->shape[0].weight[p * dim * W], *x = &sum->points->x[p * dim];
+  const PetscReal *w = &sum->space->shapes.at[0].weight[p * dim * W], *x = &sum->points->x[p * dim];
 
   at->thin = PETSC_FALSE;
   for (PetscInt a = 0; a < dim; a++) {
@@ -53,8 +53,8 @@ MPM_INLINE void MpmStencilLines(const MpmKnown known, const MpmSum *sum, PetscIn
   const PetscInt dim = known.dim, W = sum->space->width;
 
   for (PetscInt b = 0; b < dim; b++) {
-    const PetscReal *w    = &sum->space->shape[0].weight[(p * dim + b) * W];
-    const PetscReal *g    = &sum->space->shape[0].gradient[(p * dim + b) * W];
+    const PetscReal *w    = &sum->space->shapes.at[0].weight[(p * dim + b) * W];
+    const PetscReal *g    = &sum->space->shapes.at[0].gradient[(p * dim + b) * W];
     const PetscBool  thin = (PetscBool)(degree < 2 && at->second[b] < MPM_STENCIL_THIN * PetscSqr(sum->grid->h[b]));
     const PetscReal  by   = degree < 2 && !thin ? 1. / at->second[b] : 1.;
 
@@ -84,7 +84,7 @@ MPM_INLINE void MpmCarriedAdd(const MpmKnown known, const MpmSum *sum, PetscInt 
                               const MpmCarried *of, const PetscInt nodes[], Slim *restrict sums)
 {
   const PetscInt dim = known.dim;
-  const MpmLines w   = MpmPointLines(dim, sum->space, sum->space->shape[0].weight, p, &MpmLineOne);
+  const MpmLines w   = MpmPointLines(dim, sum->space, sum->space->shapes.at[0].weight, p, &MpmLineOne);
   MpmWeightRow   line;
 
   for (PetscInt k = 0; k < known.count[0]; k++) {
@@ -109,8 +109,8 @@ MPM_INLINE void MpmCarriedAddForce(const MpmKnown known, const MpmSum *sum, Pets
                                    const MpmCarried *of, const PetscInt nodes[], MpmCarriedSums *restrict sums)
 {
   const PetscInt dim = known.dim;
-  const MpmLines w   = MpmPointLines(dim, sum->space, sum->space->shape[0].weight, p, &MpmLineOne);
-  const MpmLines g   = MpmPointLines(dim, sum->space, sum->space->shape[0].gradient, p, &MpmLineZero);
+  const MpmLines w   = MpmPointLines(dim, sum->space, sum->space->shapes.at[0].weight, p, &MpmLineOne);
+  const MpmLines g   = MpmPointLines(dim, sum->space, sum->space->shapes.at[0].gradient, p, &MpmLineZero);
   MpmWeightRow   line;
 
   for (PetscInt k = 0; k < known.count[0]; k++) {
@@ -142,7 +142,7 @@ MPM_INLINE void MpmCarriedAddForce(const MpmKnown known, const MpmSum *sum, Pets
 MPM_INLINE void MpmSlimAdd(const MpmKnown known, const MpmSum *sum, PetscInt p, const Slim value,
                            const PetscInt nodes[], Slim *restrict sums)
 {
-  const MpmLines w = MpmPointLines(known.dim, sum->space, sum->space->shape[0].weight, p, &MpmLineOne);
+  const MpmLines w = MpmPointLines(known.dim, sum->space, sum->space->shapes.at[0].weight, p, &MpmLineOne);
 
   for (PetscInt l = 0; l < known.count[2]; l++) {
     for (PetscInt j = 0; j < known.count[1]; j++, nodes += known.count[0]) {
@@ -157,7 +157,7 @@ MPM_INLINE void MpmSlimAdd(const MpmKnown known, const MpmSum *sum, PetscInt p, 
 MPM_INLINE Slim MpmSlimInterpolate(const MpmKnown known, const MpmSum *sum, PetscInt p, const MpmStencil *at,
                                    const PetscInt nodes[], const Slim values[], Slim *by)
 {
-  const MpmLines w     = MpmPointLines(known.dim, sum->space, sum->space->shape[0].weight, p, &MpmLineOne);
+  const MpmLines w     = MpmPointLines(known.dim, sum->space, sum->space->shapes.at[0].weight, p, &MpmLineOne);
   Slim           total = {0.}, x = {0.}, y = {0.}, z = {0.};
 
   for (PetscInt l = 0; l < known.count[2]; l++) {

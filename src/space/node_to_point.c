@@ -46,7 +46,7 @@ MPM_INLINE void Interpolate(const MpmKnown known, const MpmSum *sum, PetscInt p,
                             PetscReal field[])
 {
   for (PetscInt c = 0; c < known.block; c++) {
-    const MpmWeights *of = &sum->space->shape[known.solid ? 0 : sum->layout->component[c].shape];
+    const MpmWeights *of = &sum->space->shapes.at[known.solid ? 0 : sum->layout->component[c].shape];
     const MpmLines    w  = MpmPointLines(known.dim, sum->space, of->weight, p, &MpmLineOne);
     const PetscReal  *v  = &values[c * known.n];
 
@@ -147,9 +147,9 @@ static PetscErrorCode KeepTrial(const MpmSum *sum)
   PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * points->F_size));
   PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * MpmSymSize(dim)));
   AddAcross(sum);
-  PetscCall(PetscArraycpy(points->own, sum->trial->own, points->count * sum->own_size));
-  for (PetscInt p = 0; sum->state_size && p < points->count; p++)
-    PetscCall(PetscArraycpy(&points->state[p * sum->state_size], &sum->trial->state[p * sum->state_size],
+  PetscCall(PetscArraycpy(points->own, sum->trial->own, points->count * sum->kept.own));
+  for (PetscInt p = 0; sum->kept.state && p < points->count; p++)
+    PetscCall(PetscArraycpy(&points->state[p * sum->kept.state], &sum->trial->state[p * sum->kept.state],
                             sum->materials[points->material[p]].state_size));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -240,7 +240,7 @@ MPM_INLINE void MpmFetch(const PetscReal array[], PetscInt p, PetscInt size)
 /* Prefetches the weights of a point in the scene's shape. */
 MPM_INLINE void MpmSpaceFetch(const MpmKnown known, const MpmSpace *space, PetscInt p)
 {
-  MpmFetch(space->shape[0].weight, p, known.dim * space->width);
+  MpmFetch(space->shapes.at[0].weight, p, known.dim * space->width);
 }
 /* Prefetches the data of the kernel and its inputs. */
 MPM_INLINE void MpmSumFetch(const MpmKnown known, const MpmSum *sum, PetscInt s)
@@ -248,7 +248,7 @@ MPM_INLINE void MpmSumFetch(const MpmKnown known, const MpmSum *sum, PetscInt s)
   const PetscInt p = MpmSumAhead(sum, s);
 
   MpmSpaceFetch(known, sum->space, p);
-  MpmFetch(sum->space->shape[0].gradient, p, known.dim * sum->space->width);
+  MpmFetch(sum->space->shapes.at[0].gradient, p, known.dim * sum->space->width);
   MpmFetch(sum->points->F, p, known.solid ? known.dim * known.dim : sum->points->F_size);
   MpmFetch(sum->points->volume0, p, 1);
 }
@@ -271,7 +271,7 @@ static const PetscReal MpmLineOne = 1., MpmLineZero = 0.;
 /* The weights alone of one point at its group's nodes with the scene's shape, x fastest. */
 MPM_INLINE void MpmShapeWeights(const MpmKnown known, const MpmSpace *space, PetscInt point, PetscReal weight[])
 {
-  const MpmLines w = MpmPointLines(known.dim, space, space->shape[0].weight, point, &MpmLineOne);
+  const MpmLines w = MpmPointLines(known.dim, space, space->shapes.at[0].weight, point, &MpmLineOne);
 
   for (PetscInt l = 0; l < known.count[2]; l++) {
     for (PetscInt j = 0; j < known.count[1]; j++, weight += known.count[0]) {
@@ -292,7 +292,7 @@ void MpmSpaceSmoothBasis(const MpmSpace *space, const PetscInt count[], PetscInt
 MPM_INLINE void MpmShapeBasis(const MpmKnown known, const MpmSpace *space, PetscInt shape, PetscInt point,
                               PetscBool weights, PetscReal *const basis[])
 {
-  const MpmWeights *of   = &space->shape[shape];
+  const MpmWeights *of   = &space->shapes.at[shape];
   const MpmLines    w    = MpmPointLines(known.dim, space, of->weight, point, &MpmLineOne);
   const MpmLines    g    = MpmPointLines(known.dim, space, of->gradient, point, &MpmLineZero);
   const PetscInt    nx   = known.count[0];
@@ -325,7 +325,7 @@ MPM_INLINE void MpmShapeBasis(const MpmKnown known, const MpmSpace *space, Petsc
 MPM_INLINE void MpmShapeDeviation(const MpmKnown known, const MpmSpace *space, PetscInt shape, PetscInt point,
                                   const PetscReal weight[], PetscReal deviation[])
 {
-  const MpmLines m = MpmPointLines(known.dim, space, space->shape[shape].mean, point, &MpmLineOne);
+  const MpmLines m = MpmPointLines(known.dim, space, space->shapes.at[shape].mean, point, &MpmLineOne);
   PetscInt       n = 0;
 
   for (PetscInt l = 0; l < known.count[2]; l++) {
@@ -342,18 +342,18 @@ MPM_INLINE void MpmSumBasis(const MpmKnown known, const MpmSpace *space, PetscIn
                             const MpmBasis *basis)
 {
   MpmShapeBasis(known, space, 0, point, weights, basis->basis);
-  if (!known.solid && !known.biot && space->shape[0].hoop)
+  if (!known.solid && !known.biot && space->shapes.at[0].hoop)
     for (PetscInt i = 0; i < known.n; i++)
-      basis->basis[MPM_HOOP_BASIS][i] = space->shape[0].hoop[point] * basis->basis[0][i];
+      basis->basis[MPM_HOOP_BASIS][i] = space->shapes.at[0].hoop[point] * basis->basis[0][i];
   if (known.biot) {
     MpmShapeDeviation(known, space, 0, point, basis->basis[0], basis->basis[MPM_DEVIATION(known.dim)]);
     return;
   }
-  for (PetscInt s = 1; !known.solid && s < space->shape_count; s++)
+  for (PetscInt s = 1; !known.solid && s < space->shapes.count; s++)
     MpmShapeBasis(known, space, s, point, weights, &basis->basis[s * MPM_BASES]);
-  for (PetscInt s = 0; !known.solid && s < space->shape_count; s++) {
+  for (PetscInt s = 0; !known.solid && s < space->shapes.count; s++) {
     PetscReal *const *of = &basis->basis[s * MPM_BASES];
 
-    if (space->shape[s].mean) MpmShapeDeviation(known, space, s, point, of[0], of[MPM_DEVIATION(known.dim)]);
+    if (space->shapes.at[s].mean) MpmShapeDeviation(known, space, s, point, of[0], of[MPM_DEVIATION(known.dim)]);
   }
 }

@@ -6,15 +6,15 @@
 
 void MpmPointLine(const MpmSpace *space, PetscInt p, PetscInt a, PetscInt count, PetscReal way, PetscReal line[])
 {
-  const PetscReal *weight   = &space->shape[0].weight[(p * space->dim + a) * space->width];
-  const PetscReal *gradient = &space->shape[0].gradient[(p * space->dim + a) * space->width];
+  const PetscReal *weight   = &space->shapes.at[0].weight[(p * space->dim + a) * space->width];
+  const PetscReal *gradient = &space->shapes.at[0].gradient[(p * space->dim + a) * space->width];
 
   for (PetscInt i = 0; i < count; i++) line[i] = weight[i] + way * gradient[i];
 }
 
 void MpmPointAddSlope(const MpmSpace *space, PetscInt p, PetscInt a, PetscInt count, PetscReal way, PetscReal line[])
 {
-  const PetscReal *gradient = &space->shape[0].gradient[(p * space->dim + a) * space->width];
+  const PetscReal *gradient = &space->shapes.at[0].gradient[(p * space->dim + a) * space->width];
 
   for (PetscInt i = 0; i < count; i++) line[i] += way * gradient[i];
 }

@@ -16,7 +16,7 @@ typedef struct {
 /* True where the space has axial symmetry. */
 static inline PetscBool MpmSpaceIsAxial(const MpmSpace *space)
 {
-  return (PetscBool)(space->shape[0].hoop != NULL);
+  return (PetscBool)(space->shapes.at[0].hoop != NULL);
 }
 /* line[i] = w_i + way grad w_i on an axis, at the group's `count` nodes: displacements go on from the point, m. */
 void MpmPointLine(const MpmSpace *space, PetscInt point, PetscInt axis, PetscInt count, PetscReal way,

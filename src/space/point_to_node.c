@@ -68,7 +68,7 @@ MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSum *sum, 
   const MpmGrid         *grid              = sum->grid;
   const MpmPoints       *points            = sum->points;
   const MpmPointValues  *of                = project->of;
-  const PetscReal       *along             = space->shape[of->shape].weight;
+  const PetscReal       *along             = space->shapes.at[of->shape].weight;
   const PetscInt         n = known.n, dim = known.dim, components = of->components;
   const PetscInt        *nodes = &space->group_nodes[group->node_offset];
   PetscInt               first[MPM_MAX_DIM];

@@ -22,24 +22,39 @@
 */
 #define MPM_SPRAY_HALF_LENGTH 4.
 
+/* Walls between which the material stands. */
+typedef struct {
+  PetscInt       count;
+  const MpmWall *at;
+} MpmWallList;
+
+/* Factors of the ghost penalty, 0: none: everywhere; at least so much where points are sparse; on the displacement's
+   jumps over all faces. */
+typedef struct {
+  PetscReal ghost, sparse, interior;
+} MpmPenalty;
+
+/* The step's start and end, s. */
+typedef struct {
+  PetscReal start, end;
+} MpmInterval;
+
 /* Rules of a space, borrowed from the model. */
 typedef struct MpmRules {
   const MpmGrid     *grid;
   MpmShapeType       shape;
   MpmEdgeType        edge;
   const MpmLayout   *layout;
-  PetscInt           wall_count;
-  const MpmWall     *walls;
+  MpmWallList        walls;
   MpmStretch         stretch;
   PetscReal          longest; /* half-length of a domain, cells: material drawn further separates; 0: any */
   const MpmMaterial *materials;
   PetscInt           material_count;
-  PetscReal          ghost, sparse; /* factor of the ghost penalty, 0: none; at least so much where points are sparse */
-  PetscReal          filled;        /* MPM_FILLED, another share, or 0: no node follows others */
-  PetscReal          interior;      /* factor of the penalty on the displacement's jumps over all faces, 0: none */
+  MpmPenalty         penalty;
+  PetscReal          filled; /* MPM_FILLED, another share, or 0: no node follows others */
   PetscReal          smooth; /* share of means over pieces in derivatives (grid/shape.h); where there is one shape */
   PetscBool          mean;   /* points of one cell stand side by side, for means over it */
-  PetscReal          time_n, time;         /* the step is from time_n to time */
+  MpmInterval        time;
   PetscBool          put_back;             /* the points were restored after the last step, which kept their stress */
   PetscBool          dynamic;              /* a step with inertia that is solved for */
   PetscReal          gravity[MPM_MAX_DIM]; /* m/s2 */

@@ -12,30 +12,30 @@
 PetscErrorCode MpmSpaceReset(MpmSpace *space)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscFree2(space->first, space->count));
-  for (PetscInt k = 0; k < space->shape_count; k++) {
-    PetscCall(PetscFree3(space->shape[k].weight, space->shape[k].gradient, space->shape[k].mean));
-    PetscCall(PetscFree2(space->shape[k].cross, space->shape[k].slope));
-    PetscCall(PetscFree(space->shape[k].hoop));
+  PetscCall(PetscFree2(space->touched.first, space->touched.count));
+  for (PetscInt k = 0; k < space->shapes.count; k++) {
+    PetscCall(PetscFree3(space->shapes.at[k].weight, space->shapes.at[k].gradient, space->shapes.at[k].mean));
+    PetscCall(PetscFree2(space->shapes.at[k].cross, space->shapes.at[k].slope));
+    PetscCall(PetscFree(space->shapes.at[k].hoop));
   }
-  PetscCall(PetscFree(space->half));
+  PetscCall(PetscFree(space->shapes.half));
   PetscCall(PetscFree(space->extension.follower));
   PetscCall(PetscFree(space->extension.offset));
   PetscCall(PetscFree(space->extension.master));
   PetscCall(PetscFree(space->extension.weight));
   PetscCall(PetscFree(space->extension.of));
-  PetscCall(PetscFree(space->support));
+  PetscCall(PetscFree(space->shapes.support));
   PetscCall(PetscFree(space->order));
   PetscCall(PetscFree(space->groups));
-  PetscCall(PetscFree(space->faces.face));
-  PetscCall(PetscFree(space->cells));
-  PetscCall(PetscFree(space->share));
+  PetscCall(PetscFree(space->boxes.faces.face));
+  PetscCall(PetscFree(space->cells.at));
+  PetscCall(PetscFree(space->cells.share));
   PetscCall(PetscFree(space->group_nodes));
   PetscCall(PetscFree(space->extra.free));
   PetscCall(PetscFree(space->extra.link));
   PetscCall(PetscFree(space->parts.couple));
-  PetscCall(PetscFree2(space->node, space->global));
-  PetscCall(PetscSFDestroy(&space->sf));
+  PetscCall(PetscFree2(space->node, space->number.global));
+  PetscCall(PetscSFDestroy(&space->number.sf));
   PetscCall(PetscMemzero(space, sizeof(*space)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -75,7 +75,7 @@ MPM_INLINE PetscErrorCode MakeKeys(const PetscInt dim, const MpmSpace *space, co
                                    const MpmPoints *points, Boxes *boxes)
 {
   const PetscInt  n = space->point_count, width = space->width;
-  const PetscBool many               = (PetscBool)(space->shape_count > 1);
+  const PetscBool many               = (PetscBool)(space->shapes.count > 1);
   const PetscInt *part               = space->parts.stride ? points->part : NULL;
   PetscInt        lower[MPM_MAX_DIM] = {PETSC_INT_MAX, PETSC_INT_MAX, PETSC_INT_MAX}, upper[MPM_MAX_DIM] = {0, 0, 0};
 
@@ -105,7 +105,7 @@ MPM_INLINE PetscErrorCode MakeKeys(const PetscInt dim, const MpmSpace *space, co
       cell  = cell * (upper[a] - lower[a] + 1) + place - lower[a];
       shape = shape * width + boxes->count[k] - 1;
       if (rules->mean) shape = shape * width + place - first;
-      if (many) shape = (shape * width + space->first[k] - first) * width + space->count[k] - 1;
+      if (many) shape = (shape * width + space->touched.first[k] - first) * width + space->touched.count[k] - 1;
     }
     boxes->cell_key[p]  = cell;
     boxes->shape_key[p] = shape;
@@ -159,15 +159,15 @@ static PetscErrorCode FinishBoxes(MpmSpace *space, MPI_Comm comm)
   PetscInt offset = 0;
 
   PetscFunctionBeginUser;
-  space->reach = PetscMax(space->width - 1, 1);
-  for (PetscInt g = 0; g < space->box_count; g++) {
+  space->boxes.reach = PetscMax(space->width - 1, 1);
+  for (PetscInt g = 0; g < space->boxes.count; g++) {
     MpmGroup *box = &space->groups[g];
 
-    for (PetscInt a = 0; a < space->dim; a++) space->reach = PetscMax(space->reach, box->count[a] - 1);
+    for (PetscInt a = 0; a < space->dim; a++) space->boxes.reach = PetscMax(space->boxes.reach, box->count[a] - 1);
     box->node_offset = offset;
     offset += box->node_count;
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &space->reach, 1, MPIU_INT, MPI_MAX, comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &space->boxes.reach, 1, MPIU_INT, MPI_MAX, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -176,12 +176,12 @@ PetscErrorCode MpmSpaceAppendBoxes(MpmSpace *space, PetscInt count, MpmGroup **b
   MpmGroup *groups;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1((space->box_count + count), &groups));
-  PetscCall(PetscArraycpy(groups, space->groups, space->box_count));
+  PetscCall(PetscCalloc1((space->boxes.count + count), &groups));
+  PetscCall(PetscArraycpy(groups, space->groups, space->boxes.count));
   PetscCall(PetscFree(space->groups));
   space->groups = groups;
-  *boxes        = &groups[space->box_count];
-  space->box_count += count;
+  *boxes        = &groups[space->boxes.count];
+  space->boxes.count += count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -231,8 +231,8 @@ PetscErrorCode MpmSpaceBegin(MpmSpace *space, const MpmRules *rules, const MpmPo
   PetscCall(MpmSpaceEvaluateShapes(space, rules, points, &boxes.first, &boxes.count, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MakeGroups(space, rules, points, &boxes));
-  if (boxes.first != space->first) PetscCall(PetscFree2(boxes.first, boxes.count));
-  space->box_count = space->group_count;
+  if (boxes.first != space->touched.first) PetscCall(PetscFree2(boxes.first, boxes.count));
+  space->boxes.count = space->group_count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -242,11 +242,13 @@ static PetscErrorCode MoveWeights(MpmSpace *space, PetscInt from, PetscInt to)
   const PetscInt size = space->dim * space->width;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscArraymove(&space->first[to * space->dim], &space->first[from * space->dim], space->dim));
-  PetscCall(PetscArraymove(&space->count[to * space->dim], &space->count[from * space->dim], space->dim));
-  if (space->shape[0].hoop) space->shape[0].hoop[to] = space->shape[0].hoop[from];
-  for (PetscInt k = 0; k < space->shape_count; k++) {
-    PetscReal *const of[] = {space->shape[k].weight, space->shape[k].gradient};
+  PetscCall(
+    PetscArraymove(&space->touched.first[to * space->dim], &space->touched.first[from * space->dim], space->dim));
+  PetscCall(
+    PetscArraymove(&space->touched.count[to * space->dim], &space->touched.count[from * space->dim], space->dim));
+  if (space->shapes.at[0].hoop) space->shapes.at[0].hoop[to] = space->shapes.at[0].hoop[from];
+  for (PetscInt k = 0; k < space->shapes.count; k++) {
+    PetscReal *const of[] = {space->shapes.at[k].weight, space->shapes.at[k].gradient};
 
     for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(of); i++)
       PetscCall(PetscArraymove(&of[i][to * size], &of[i][from * size], size));
@@ -286,7 +288,7 @@ PetscErrorCode MpmSpaceRemovePoints(MpmSpace *space, PetscInt count, const Petsc
 static void MarkTouched(const MpmSpace *space, const MpmGroup *group, PetscInt shape, PetscInt p, PetscReal touched[])
 {
   const PetscInt    W = space->width, dim = space->dim, *count = group->count;
-  const MpmWeights *values = &space->shape[shape];
+  const MpmWeights *values = &space->shapes.at[shape];
 
   for (PetscInt i = 0; i < group->node_count; i++) {
     const PetscInt at[MPM_MAX_DIM] = {i % count[0], i / count[0] % count[1], i / (count[0] * count[1])};
@@ -297,7 +299,7 @@ static void MarkTouched(const MpmSpace *space, const MpmGroup *group, PetscInt s
 
       if (values->weight[k] == 0. && values->gradient[k] == 0.) touches = PETSC_FALSE;
     }
-    if (touches) touched[space->group_nodes[group->node_offset + i] * space->shape_count + shape] = 1.;
+    if (touches) touched[space->group_nodes[group->node_offset + i] * space->shapes.count + shape] = 1.;
   }
 }
 
@@ -308,23 +310,24 @@ static PetscErrorCode FindSupport(MpmSpace *space, const MpmRules *rules)
   PetscReal       *touched;
 
   PetscFunctionBeginUser;
-  space->unknown_count = (space->global_count - space->extra.count) * layout->block;
-  if (space->shape_count == 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscCalloc1((space->local * space->shape_count), &touched));
+  space->number.unknowns = (space->number.count - space->extra.count) * layout->block;
+  if (space->shapes.count == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1((space->local * space->shapes.count), &touched));
   for (PetscInt g = 0; g < space->group_count; g++)
     for (PetscInt i = space->groups[g].point_begin; i < space->groups[g].point_end; i++)
-      for (PetscInt s = 0; s < space->shape_count; s++)
+      for (PetscInt s = 0; s < space->shapes.count; s++)
         MarkTouched(space, &space->groups[g], s, space->order[i], touched);
-  PetscCall(MpmSpaceAddToOwners(space, space->shape_count, touched));
-  PetscCall(MpmSpaceToGhosts(space, space->shape_count, touched));
-  PetscCall(PetscCalloc1(space->local, &space->support));
-  for (PetscInt k = 0; k < space->local * space->shape_count; k++)
-    if (touched[k] > 0.) space->support[k / space->shape_count] |= 1 << k % space->shape_count;
+  PetscCall(MpmSpaceAddToOwners(space, space->shapes.count, touched));
+  PetscCall(MpmSpaceToGhosts(space, space->shapes.count, touched));
+  PetscCall(PetscCalloc1(space->local, &space->shapes.support));
+  for (PetscInt k = 0; k < space->local * space->shapes.count; k++)
+    if (touched[k] > 0.) space->shapes.support[k / space->shapes.count] |= 1 << k % space->shapes.count;
   PetscCall(PetscFree(touched));
-  space->unknown_count = 0;
+  space->number.unknowns = 0;
   for (PetscInt k = 0; k < space->owned * layout->block; k++)
-    space->unknown_count += space->support[k / layout->block] >> layout->component[k % layout->block].shape & 1;
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &space->unknown_count, 1, MPIU_INT, MPI_SUM, rules->grid->comm));
+    space->number.unknowns +=
+      space->shapes.support[k / layout->block] >> layout->component[k % layout->block].shape & 1;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &space->number.unknowns, 1, MPIU_INT, MPI_SUM, rules->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -335,6 +338,6 @@ PetscErrorCode MpmSpaceEnd(MpmSpace *space, const MpmRules *rules)
   PetscCall(MpmSpaceNumberNodes(space, rules->grid));
   PetscCall(FindSupport(space, rules));
   for (PetscInt k = 0; k < space->extra.count; k++)
-    for (PetscInt c = 0; c < rules->layout->block; c++) space->unknown_count += space->extra.free[k] >> c & 1;
+    for (PetscInt c = 0; c < rules->layout->block; c++) space->number.unknowns += space->extra.free[k] >> c & 1;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

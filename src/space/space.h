@@ -24,6 +24,13 @@ typedef struct {
   PetscInt box; /* into groups: one without points that holds the nodes of them all */
 } MpmCell;
 
+/* Cells with a mean, if the physics has one: their boxes come last. */
+typedef struct {
+  PetscInt   count;
+  MpmCell   *at;
+  PetscReal *share; /* of each point in the mean of its cell */
+} MpmCells;
+
 /* Faces of the ghost penalty: groups without points, behind the others. */
 typedef struct {
   PetscInt begin, count; /* into groups */
@@ -83,6 +90,35 @@ typedef struct {
   PetscInt  *of;       /* per local node: its place among the followers, or -1; NULL: there are none on this rank */
 } MpmExtension;
 
+/* Nodes touched by each point with the scene's shape, as they stand on the grid, dim values a point. */
+typedef struct {
+  PetscInt *first, *count;
+} MpmTouchedNodes;
+
+/* The shapes of the physics' fields. */
+typedef struct {
+  PetscInt   count;
+  MpmWeights at[MPM_MAX_SHAPES];
+  PetscInt  *support; /* per local node: a bit for each shape with which points touch it; NULL where there is one */
+  PetscReal *half;    /* half-lengths of the points' domains, cells, dim values a point; NULL: shapes without domains */
+} MpmShapes;
+
+/* All boxes: groups, faces and cells. */
+typedef struct {
+  PetscInt count;
+  PetscInt reach; /* no box has more than reach + 1 nodes on an axis, on any rank */
+  MpmFaces faces;
+} MpmBoxes;
+
+/* Numbers of the nodes over all ranks, and the scatter between owners and ghosts. */
+typedef struct {
+  PetscInt *global;   /* of local nodes */
+  PetscInt  begin;    /* of the first owned node */
+  PetscInt  count;    /* nodes */
+  PetscInt  unknowns; /* over all ranks */
+  PetscSF   sf;       /* roots: owned nodes; leaves: ghosts; NULL on one rank */
+} MpmNumbers;
+
 /*
   The step's discrete spaces, one for each shape of the physics' fields: weights of every point, and the active nodes.
   The nodes are numbered together, so that all unknowns of a node make one block; a node that no point touches with a
@@ -90,35 +126,22 @@ typedef struct {
   the owned ones, in lattice order, then ghosts. Unknowns are numbered over active nodes only.
 */
 typedef struct MpmSpace {
-  PetscInt  dim, width; /* most nodes on an axis */
-  PetscInt  point_count;
-  PetscInt *first,
-    *count; /* of the nodes touched with the scene's shape, as they stand on the grid, dim values a point */
-  PetscInt   shape_count;
-  MpmWeights shape[MPM_MAX_SHAPES];
-  PetscInt
-    *support; /* per local node: a bit for each shape with which points touch it; NULL where there is one shape */
-  PetscInt     *order; /* points by group */
-  PetscInt      group_count;
-  MpmFaces      faces;
-  PetscInt      cell_count; /* cells with a mean, if the physics has one: their boxes come last */
-  PetscInt      box_count;  /* groups, faces and cells */
-  PetscInt      reach;      /* no box has more than reach + 1 nodes on an axis, on any rank */
-  MpmCell      *cells;
-  PetscReal    *share; /* of each point in the mean of its cell */
-  MpmGroup     *groups;
-  PetscInt     *group_nodes;  /* local nodes of each group, x fastest */
-  PetscInt      owned, local; /* active nodes owned by this rank, and with ghosts */
-  PetscInt     *node;         /* lattice indices of local nodes, dim each */
-  PetscInt     *global;       /* number over all ranks, of local nodes */
-  PetscInt      global_begin; /* number of the first owned node */
-  PetscInt      global_count;
-  PetscInt      unknown_count; /* over all ranks */
-  PetscSF       sf;            /* roots: owned nodes; leaves: ghosts; NULL on one rank */
-  MpmExtraNodes extra;
-  MpmParts      parts;
-  PetscReal    *half; /* half-lengths of the points' domains, cells, dim values a point; NULL: shapes without domains */
-  MpmExtension  extension;
+  PetscInt        dim, width; /* most nodes on an axis */
+  PetscInt        point_count;
+  PetscInt       *order; /* points by group */
+  MpmTouchedNodes touched;
+  MpmShapes       shapes;
+  PetscInt        group_count;
+  MpmGroup       *groups;
+  PetscInt       *group_nodes; /* local nodes of each group, x fastest */
+  MpmBoxes        boxes;
+  MpmCells        cells;
+  PetscInt        owned, local; /* active nodes owned by this rank, and with ghosts */
+  PetscInt       *node;         /* lattice indices of local nodes, dim each */
+  MpmNumbers      number;
+  MpmExtraNodes   extra;
+  MpmParts        parts;
+  MpmExtension    extension;
 } MpmSpace;
 
 /*

@@ -21,6 +21,11 @@ typedef struct {
   PetscReal *gravity;  /* driving the water of each point, m/s2 */
 } MpmWaterAtRest;
 
+/* Numbers kept of a point's history: the law's, and the physics' own. */
+typedef struct {
+  PetscInt state, own;
+} MpmKeptSizes;
+
 /* All that the loops over points need; borrowed for the length of a step. */
 typedef struct MpmSum {
   const MpmGrid        *grid;
@@ -29,8 +34,8 @@ typedef struct MpmSum {
   const MpmLayout      *layout;
   const MpmMaterial    *materials;
   const MpmPoints      *points;
-  PetscInt              block;                /* values a node has */
-  PetscInt              state_size, own_size; /* of a point's history, the law's and the physics' own */
+  PetscInt              block; /* values a node has */
+  MpmKeptSizes          kept;
   PetscReal             dt;   /* in which something flows, s: the step's length, with two stages a part of it */
   PetscReal             span; /* from the step's start to the time that is solved for, s */
   PetscReal             gravity[MPM_MAX_DIM]; /* at the step's end, m/s2 */

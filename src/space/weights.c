@@ -28,13 +28,13 @@ static PetscBool WallFaces(const MpmWall *wall, const MpmGrid *grid, const Petsc
 void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[])
 {
   const MpmGrid *grid  = rules->grid;
-  const MpmWall *walls = rules->walls;
+  const MpmWall *walls = rules->walls.at;
 
   for (PetscInt a = 0; a < grid->dim; a++) {
     lower[a] = 0;
     upper[a] = grid->nodes[a] - 1;
   }
-  for (PetscInt w = 0; w < rules->wall_count; w++) {
+  for (PetscInt w = 0; w < rules->walls.count; w++) {
     const PetscInt  a  = walls[w].axis;
     const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
 
@@ -108,7 +108,7 @@ static PetscInt BlockPlace(const MpmRules *rules, const MpmPoints *points, Petsc
   const PetscReal *x = &points->x[from * dim];
 
   for (PetscInt k = 0; k < count * dim; k++) block->xi[k] = (x[k] - block->lower[k]) / block->h[k];
-  for (PetscInt p = 0; rules->wall_count && p < count; p++)
+  for (PetscInt p = 0; rules->walls.count && p < count; p++)
     MpmSpaceEdges(rules, &x[p * dim], &block->first[p * dim], &block->last[p * dim]);
   return count;
 }
@@ -282,15 +282,15 @@ static PetscErrorCode Unite(MpmSpace *space, PetscInt count, Lines lines[], Pets
     PetscInt end = 0;
 
     first[k] = PETSC_INT_MAX;
-    for (PetscInt s = 0; s < space->shape_count; s++) {
+    for (PetscInt s = 0; s < space->shapes.count; s++) {
       first[k] = PetscMin(first[k], lines[s].first[k]);
       end      = PetscMax(end, lines[s].first[k] + lines[s].count[k]);
     }
     size[k]      = end - first[k];
     space->width = PetscMax(space->width, size[k]);
   }
-  for (PetscInt s = 0; s < space->shape_count; s++) {
-    MpmWeights *to = &space->shape[s];
+  for (PetscInt s = 0; s < space->shapes.count; s++) {
+    MpmWeights *to = &space->shapes.at[s];
 
     PetscCall(PetscCalloc3((count * space->width), &to->weight, (count * space->width), &to->gradient,
                            (lines[s].mean ? count * space->width : 0), &to->mean));
@@ -341,12 +341,12 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
   PetscFunctionBeginUser;
   space->dim          = dim;
   space->point_count  = points->count;
-  space->shape_count  = rules->layout->shape_count;
+  space->shapes.count = rules->layout->shape_count;
   space->parts.count  = PetscMax(rules->parts, 1);
   space->parts.stride = rules->parts > 1 ? rules->grid->nodes[dim - 1] + MPM_PART_GAP : 0;
   if (MpmShapeHasDomain(rules->shape)) {
-    PetscCall(PetscMalloc1((points->count * dim), &space->half));
-    HalfLengths(rules, points, space->half, &longest);
+    PetscCall(PetscMalloc1((points->count * dim), &space->shapes.half));
+    HalfLengths(rules, points, space->shapes.half, &longest);
     /* the Jacobian's window, and with it the colours, must be the same on all ranks */
     PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &longest, 1, MPIU_REAL, MPIU_MAX, rules->grid->comm));
   }
@@ -355,23 +355,23 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
                              longest < MPM_MAX_WIDTH ? "'s " : " has no stretch, or its "));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (PetscInt s = 0; s < space->shape_count; s++)
-    PetscCall(EvaluateLines(rules, points, &shapes[s], space->half, &lines[s]));
+  for (PetscInt s = 0; s < space->shapes.count; s++)
+    PetscCall(EvaluateLines(rules, points, &shapes[s], space->shapes.half, &lines[s]));
   if (rules->grid->axial) {
-    PetscCall(PetscMalloc1(points->count, &space->shape[0].hoop));
+    PetscCall(PetscMalloc1(points->count, &space->shapes.at[0].hoop));
     for (PetscInt p = 0; p < points->count; p++)
-      space->shape[0].hoop[p] = 1. / PetscMax(points->x[p * dim], LEAST_RADIUS * rules->grid->h[0]);
+      space->shapes.at[0].hoop[p] = 1. / PetscMax(points->x[p * dim], LEAST_RADIUS * rules->grid->h[0]);
   }
-  space->first = lines[0].first;
-  space->count = lines[0].count;
-  if (space->shape_count > 1) {
+  space->touched.first = lines[0].first;
+  space->touched.count = lines[0].count;
+  if (space->shapes.count > 1) {
     PetscCall(Unite(space, points->count * dim, lines, box_first, box_count));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   space->width         = lines[0].width;
-  lines[0].values.hoop = space->shape[0].hoop;
-  space->shape[0]      = lines[0].values;
-  *box_first           = space->first;
-  *box_count           = space->count;
+  lines[0].values.hoop = space->shapes.at[0].hoop;
+  space->shapes.at[0]  = lines[0].values;
+  *box_first           = space->touched.first;
+  *box_count           = space->touched.count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

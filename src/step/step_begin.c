@@ -35,28 +35,27 @@ static MpmRules Rules(MpmModel model, PetscReal time)
   const PetscBool         solves = (PetscBool)!model->state.scheme.integrator->length;
   MpmRules                rules;
 
-  rules = (MpmRules){
-    .grid           = model->disc.grid,
-    .shape          = model->scene.shape,
-    .edge           = model->scene.edge,
-    .layout         = model->disc.layout,
-    .wall_count     = model->state.walls.count,
-    .walls          = model->state.walls.at,
-    .stretch        = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
-    .longest        = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
-    .parts          = model->disc.material.parts,
-    .materials      = model->disc.sum->materials,
-    .material_count = model->disc.material.count,
-    .ghost          = solves ? model->disc.matrix.ghost : 0.,
-    .filled         = solves ? model->scene.stabilization.filled : 0.,
-    .sparse         = solves && model->scene.stabilization.ghost_auto ? MPM_GHOST_SPARSE : 0.,
-    .interior = solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.stabilization.interior : 0.,
-    .smooth   = model->scene.stabilization.smooth,
-    .mean     = (PetscBool)(model->disc.layout->means > 0),
-    .put_back = model->state.scheme.put_back,
-    .time_n   = model->state.time,
-    .time     = time,
-    .dynamic  = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
+  rules =
+    (MpmRules){.grid           = model->disc.grid,
+               .shape          = model->scene.shape,
+               .edge           = model->scene.edge,
+               .layout         = model->disc.layout,
+               .walls          = {model->state.walls.count, model->state.walls.at},
+               .stretch        = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
+               .longest        = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
+               .parts          = model->disc.material.parts,
+               .materials      = model->disc.sum->materials,
+               .material_count = model->disc.material.count,
+               .penalty.ghost  = solves ? model->disc.matrix.ghost : 0.,
+               .filled         = solves ? model->scene.stabilization.filled : 0.,
+               .penalty.sparse = solves && model->scene.stabilization.ghost_auto ? MPM_GHOST_SPARSE : 0.,
+               .penalty.interior =
+                 solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.stabilization.interior : 0.,
+               .smooth   = model->scene.stabilization.smooth,
+               .mean     = (PetscBool)(model->disc.layout->means > 0),
+               .put_back = model->state.scheme.put_back,
+               .time     = {model->state.time, time},
+               .dynamic  = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     const MpmLoad *load = &model->scene.loads->at[l];
 
@@ -87,7 +86,7 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, MpmOut
   PetscCall(PetscMalloc5((count * particles->F_size), &trial->F, (count * particles->stress_size), &trial->stress,
                          (count * particles->state_size), &trial->state, (count * particles->own_size), &trial->own,
                          (model->disc.space->local * bs), &trial->u));
-  model->state.active_dofs_max = PetscMax(model->state.active_dofs_max, (PetscInt64)model->disc.space->unknown_count);
+  model->state.active_dofs_max = PetscMax(model->state.active_dofs_max, (PetscInt64)model->disc.space->number.unknowns);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

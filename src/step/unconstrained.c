@@ -87,7 +87,7 @@ static PetscErrorCode LabelPieces(const MpmModel model, Kind kind, PetscInt labe
   PetscCall(PetscMalloc1(space->local, &parent));
   for (PetscInt i = 0; i < space->local; i++) {
     parent[i] = i;
-    label[i]  = space->global[i];
+    label[i]  = space->number.global[i];
   }
   for (PetscInt g = 0; g < space->group_count; g++) {
     const PetscInt *node = &space->group_nodes[space->groups[g].node_offset];
@@ -107,11 +107,11 @@ static PetscErrorCode LabelPieces(const MpmModel model, Kind kind, PetscInt labe
       *lowest = PetscMin(*lowest, label[i]);
     }
     for (PetscInt i = 0; i < space->local; i++) label[i] = label[Root(parent, i)];
-    if (!space->sf) break;
-    PetscCall(PetscSFReduceBegin(space->sf, MPIU_INT, label, label, MPI_MIN));
-    PetscCall(PetscSFReduceEnd(space->sf, MPIU_INT, label, label, MPI_MIN));
-    PetscCall(PetscSFBcastBegin(space->sf, MPIU_INT, label, label, MPI_REPLACE));
-    PetscCall(PetscSFBcastEnd(space->sf, MPIU_INT, label, label, MPI_REPLACE));
+    if (!space->number.sf) break;
+    PetscCall(PetscSFReduceBegin(space->number.sf, MPIU_INT, label, label, MPI_MIN));
+    PetscCall(PetscSFReduceEnd(space->number.sf, MPIU_INT, label, label, MPI_MIN));
+    PetscCall(PetscSFBcastBegin(space->number.sf, MPIU_INT, label, label, MPI_REPLACE));
+    PetscCall(PetscSFBcastEnd(space->number.sf, MPIU_INT, label, label, MPI_REPLACE));
     for (PetscInt i = 0; i < space->local && !changed; i++) changed = (PetscBool)(label[i] != label[Root(parent, i)]);
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
   }
@@ -133,7 +133,7 @@ static PetscErrorCode FindPieces(MpmModel model, Kind kind, Pieces *pieces)
   PetscCall(PetscMalloc3(space->owned, &own, model->size, &count, (model->size + 1), &start));
   PetscCall(LabelPieces(model, kind, pieces->of));
   for (PetscInt i = 0; i < space->owned; i++)
-    if (pieces->of[i] == space->global[i] && !MpmSpaceIsExtra(space, i)) own[mine++] = space->global[i];
+    if (pieces->of[i] == space->number.global[i] && !MpmSpaceIsExtra(space, i)) own[mine++] = space->number.global[i];
   PetscCallMPI(MPI_Allgather(&mine, 1, MPI_INT, count, 1, MPI_INT, model->comm));
   start[0] = 0;
   for (PetscMPIInt r = 0; r < model->size; r++) start[r + 1] = start[r] + count[r];

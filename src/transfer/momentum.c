@@ -114,7 +114,7 @@ PetscErrorCode MpmStiffnessRows(const MpmSum *sum, PetscReal rows[])
       const PetscInt     p        = space->order[s];
       const MpmMaterial *material = &sum->materials[points->material[p]];
       const PetscReal    speed    = MpmMaterialWaveSpeed(material, MpmPointOwn(points, material, p), dim,
-                                                   points->state ? &points->state[p * sum->state_size] : NULL,
+                                                   points->state ? &points->state[p * sum->kept.state] : NULL,
                                                          MpmPointF(points, p), &points->stress[p * MpmSymSize(dim)]);
       PetscReal          total;
 

@@ -30,7 +30,7 @@ static void Impedances(const MpmSum *sum, PetscInt p, PetscReal impedance[2])
   const MpmPoints   *points   = sum->points;
   const MpmMaterial *material = &sum->materials[points->material[p]];
   const double      *own      = MpmPointOwn(points, material, p);
-  const PetscReal   *state = points->state ? &points->state[p * sum->state_size] : NULL, *F = MpmPointF(points, p);
+  const PetscReal   *state = points->state ? &points->state[p * sum->kept.state] : NULL, *F = MpmPointF(points, p);
   const PetscReal    mass = MpmPointMass(points, sum->materials, p), volume = points->volume0[p];
   const PetscReal    shear = MpmMaterialShearModulus(material, own, state, F);
 

@@ -97,7 +97,7 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   const MpmPoints *points = step->sum->points;
 
   PetscFunctionBeginUser;
-  added->time = step->rules->time;
+  added->time = step->rules->time.end;
   PetscCall(PetscFree(added->acts));
   PetscCall(PetscMalloc1((points->count + 1), &added->acts));
   for (PetscInt p = 0; p < points->count; p++)
@@ -223,12 +223,12 @@ static PetscErrorCode ReadType(const MpmOptions *block, const MpmTermType **type
 
 static MpmTerm Entry(const MpmTermType *type)
 {
-  return (MpmTerm){.name     = type->name,
-                   .prepare  = Prepare,
-                   .residual = Residual,
-                   .tangent  = Tangent,
-                   .energy   = type->traits & MPM_ELEMENT_ENERGY ? AddEnergy : NULL,
-                   .work     = AddWork};
+  return (MpmTerm){.name          = type->name,
+                   .prepare       = Prepare,
+                   .residual      = Residual,
+                   .tangent       = Tangent,
+                   .energy.stored = type->traits & MPM_ELEMENT_ENERGY ? AddEnergy : NULL,
+                   .energy.work   = AddWork};
 }
 
 static PetscErrorCode TermRead(const MpmOptions *options, const char name[], const MpmGrid *grid, MpmAddedTerm *added)

@@ -60,7 +60,7 @@ static PetscErrorCode FindViscosities(MpmDamping *damping, const MpmSum *sum)
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &sum->materials[points->material[p]];
     const double      *own      = MpmPointOwn(points, material, p);
-    const PetscReal   *state = points->state ? &points->state[p * sum->state_size] : NULL, *F = MpmPointF(points, p);
+    const PetscReal   *state = points->state ? &points->state[p * sum->kept.state] : NULL, *F = MpmPointF(points, p);
     const PetscReal    mass = MpmPointMass(points, sum->materials, p), volume = points->volume0[p];
     const PetscReal    stiffness = PetscMax(MpmMaterialStiffness(material, own, state, F), 0.);
     PetscReal         *viscosity = &damping->viscosity[p * MPM_VISCOSITIES];
@@ -407,12 +407,12 @@ static PetscBool Idle(const void *ctx)
   return (PetscBool) !((const MpmDamping *)ctx)->active;
 }
 
-const MpmTerm MpmTermDamping = {.name      = "damping",
-                                .idle      = Idle,
-                                .prepare   = Prepare,
-                                .residual  = Residual,
-                                .tangent   = Tangent,
-                                .apply     = Apply,
-                                .diagonal  = Diagonal,
-                                .account   = MPM_ACCOUNT_DISSIPATED,
-                                .quadratic = MpmTermIsQuadratic};
+const MpmTerm MpmTermDamping = {.name             = "damping",
+                                .idle             = Idle,
+                                .prepare          = Prepare,
+                                .residual         = Residual,
+                                .tangent          = Tangent,
+                                .apply            = Apply,
+                                .diagonal         = Diagonal,
+                                .energy.account   = MPM_ACCOUNT_DISSIPATED,
+                                .energy.quadratic = MpmTermIsQuadratic};

@@ -132,13 +132,15 @@ static PetscInt ListFaces(const MpmMaterialPieces *map, const MpmRules *rules, P
       const PetscInt here = map->mark[pieces[k]], there = MpmMaterialPieceMark(map, next);
 
       if (!there) continue;
-      if (MpmMarkIsSparse(here) || MpmMarkIsSparse(there)) face.gamma = PetscMax(rules->ghost, rules->sparse);
+      if (MpmMarkIsSparse(here) || MpmMarkIsSparse(there))
+        face.gamma = PetscMax(rules->penalty.ghost, rules->penalty.sparse);
       else if (MpmMaterialPieceIsEdge(map, rules, cell) || MpmMaterialPieceIsEdge(map, rules, next))
-        face.gamma = rules->ghost;
-      if (!(face.gamma > 0. || rules->interior > 0.) || !FaceBox(map->space, rules, cell, &face, &box)) continue;
+        face.gamma = rules->penalty.ghost;
+      if (!(face.gamma > 0. || rules->penalty.interior > 0.) || !FaceBox(map->space, rules, cell, &face, &box))
+        continue;
       face.material[0] = MpmMarkMaterial(here);
       face.material[1] = MpmMarkMaterial(there);
-      face.stiffness   = PetscMax(face.gamma, rules->interior) *
+      face.stiffness   = PetscMax(face.gamma, rules->penalty.interior) *
                        PetscMax(materials[face.material[0]].moduli.penalty, materials[face.material[1]].moduli.penalty);
       if (faces) {
         for (PetscInt a = 0; a < map->dim; a++) AxisMatrix(&face, &box, a, grid->h[a]);
@@ -154,7 +156,7 @@ static PetscInt ListFaces(const MpmMaterialPieces *map, const MpmRules *rules, P
 /* True where points of any material may be sparse. */
 static PetscBool AnySparse(const MpmRules *rules)
 {
-  for (PetscInt m = 0; rules->sparse > 0. && m < rules->material_count; m++)
+  for (PetscInt m = 0; rules->penalty.sparse > 0. && m < rules->material_count; m++)
     if (rules->materials[m].spacing >= MPM_SPARSE_LEAST) return PETSC_TRUE;
   return PETSC_FALSE;
 }
@@ -166,15 +168,16 @@ PetscErrorCode MpmGhostFaces(const MpmRules *rules, const MpmPoints *points, Mpm
   PetscInt         *pieces, count;
 
   PetscFunctionBeginUser;
-  if (!(rules->ghost > 0. || rules->interior > 0. || AnySparse(rules))) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!(rules->penalty.ghost > 0. || rules->penalty.interior > 0. || AnySparse(rules)))
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMaterialPiecesCreate(space, rules, points, &map));
   PetscCall(PetscMalloc1((map.size[0] * map.size[1] * map.size[2]), &pieces));
-  count              = MpmMaterialPiecesOwned(&map, rules->grid, pieces);
-  space->faces.count = ListFaces(&map, rules, count, pieces, NULL, NULL);
-  space->faces.begin = space->box_count;
-  PetscCall(MpmSpaceAppendBoxes(space, space->faces.count, &boxes));
-  PetscCall(PetscMalloc1(space->faces.count, &space->faces.face));
-  (void)ListFaces(&map, rules, count, pieces, space->faces.face, boxes);
+  count                    = MpmMaterialPiecesOwned(&map, rules->grid, pieces);
+  space->boxes.faces.count = ListFaces(&map, rules, count, pieces, NULL, NULL);
+  space->boxes.faces.begin = space->boxes.count;
+  PetscCall(MpmSpaceAppendBoxes(space, space->boxes.faces.count, &boxes));
+  PetscCall(PetscMalloc1(space->boxes.faces.count, &space->boxes.faces.face));
+  (void)ListFaces(&map, rules, count, pieces, space->boxes.faces.face, boxes);
   PetscCall(PetscFree(pieces));
   PetscCall(MpmMaterialPiecesDestroy(&map));
   PetscFunctionReturn(PETSC_SUCCESS);

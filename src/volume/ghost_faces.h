@@ -22,7 +22,7 @@ struct MpmFace {
 };
 
 /*
-  MpmGhostFaces - sets space->faces, with a box of nodes for each
+  MpmGhostFaces - sets space->boxes.faces, with a box of nodes for each
 
   Collective
 

@@ -81,7 +81,8 @@ static PetscInt Components(const MpmSum *sum)
 /* True where the face's matrix reaches into dry ground, where the slope of the pressure jumps. */
 static PetscBool IsDry(const MpmSum *sum, const MpmFace *face)
 {
-  const MpmGroup *box   = &sum->space->groups[sum->space->faces.begin + (PetscInt)(face - sum->space->faces.face)];
+  const MpmGroup *box =
+    &sum->space->groups[sum->space->boxes.faces.begin + (PetscInt)(face - sum->space->boxes.faces.face)];
   const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
 
   for (PetscInt i = 0; sum->still.bent && i < box->node_count; i++)
@@ -102,8 +103,9 @@ static PetscReal Flow(const MpmSum *sum, const MpmPhysicsMaterial *of, const Pet
 static PetscReal Turn(const MpmSum *sum, const MpmFace *face)
 {
   const MpmGrid  *grid = sum->grid;
-  const MpmGroup *box  = &sum->space->groups[sum->space->faces.begin + (PetscInt)(face - sum->space->faces.face)];
-  PetscInt        at[MPM_MAX_DIM];
+  const MpmGroup *box =
+    &sum->space->groups[sum->space->boxes.faces.begin + (PetscInt)(face - sum->space->boxes.faces.face)];
+  PetscInt at[MPM_MAX_DIM];
 
   MpmSpaceAt(sum->space, box->first, at);
   return MpmGridTurn(grid, grid->lower[0] + grid->h[0] * ((PetscReal)at[0] + 0.5 * (PetscReal)(box->count[0] - 1)));
@@ -135,9 +137,9 @@ static PetscErrorCode AddForces(const MpmSum *sum, const PetscReal u[], PetscRea
   PetscReal       value[2][MPM_FACE_NODES];
 
   PetscFunctionBeginUser;
-  for (PetscInt f = 0; f < space->faces.count; f++) {
-    const MpmFace  *face = &space->faces.face[f];
-    const MpmGroup *box  = &space->groups[space->faces.begin + f];
+  for (PetscInt f = 0; f < space->boxes.faces.count; f++) {
+    const MpmFace  *face = &space->boxes.faces.face[f];
+    const MpmGroup *box  = &space->groups[space->boxes.faces.begin + f];
     const PetscInt  n = box->node_count, *nodes = &space->group_nodes[box->node_offset];
 
     for (PetscInt c = 0; c < components; c++) {
@@ -163,9 +165,9 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
   (void)ctx;
   (void)u;
   (void)failed;
-  for (PetscInt f = 0; f < space->faces.count; f++) {
-    const MpmFace  *face      = &space->faces.face[f];
-    const MpmGroup *box       = &space->groups[space->faces.begin + f];
+  for (PetscInt f = 0; f < space->boxes.faces.count; f++) {
+    const MpmFace  *face      = &space->boxes.faces.face[f];
+    const MpmGroup *box       = &space->groups[space->boxes.faces.begin + f];
     const PetscInt *nodes     = &space->group_nodes[box->node_offset];
     const PetscReal stiffness = Factor(sum, face, 0),
                     other     = components > dim ? Factor(sum, face, dim) / stiffness : 0.;
@@ -186,10 +188,10 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 static PetscInt FaceMatrix(const MpmSum *sum, PetscInt f, PetscReal matrix[])
 {
   const MpmSpace *space     = sum->space;
-  const MpmFace  *face      = &space->faces.face[f];
+  const MpmFace  *face      = &space->boxes.faces.face[f];
   const PetscReal stiffness = Factor(sum, face, 0);
-  const PetscInt *count     = space->groups[space->faces.begin + f].count,
-                 n          = space->groups[space->faces.begin + f].node_count;
+  const PetscInt *count     = space->groups[space->boxes.faces.begin + f].count,
+                 n          = space->groups[space->boxes.faces.begin + f].node_count;
 
   for (PetscInt p = 0; p < n / count[0]; p++) { /* lines of nodes along the first axis */
     for (PetscInt q = 0; q < n / count[0]; q++) {
@@ -212,11 +214,11 @@ static PetscErrorCode AddElements(const MpmSum *sum, MpmPattern *pattern)
   PetscReal      *matrix, *element;
 
   PetscFunctionBeginUser;
-  if (!space->faces.count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!space->boxes.faces.count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((MPM_FACE_NODES * MPM_FACE_NODES), &matrix));
   PetscCall(PetscMalloc1((MPM_FACE_NODES * MPM_FACE_NODES * bs * bs), &element));
-  for (PetscInt f = 0; f < space->faces.count; f++) {
-    const MpmFace  *face  = &space->faces.face[f];
+  for (PetscInt f = 0; f < space->boxes.faces.count; f++) {
+    const MpmFace  *face  = &space->boxes.faces.face[f];
     const PetscInt  n     = FaceMatrix(sum, f, matrix);
     const PetscReal other = components > dim ? Factor(sum, face, dim) / Factor(sum, face, 0) : 0.;
 
@@ -226,7 +228,7 @@ static PetscErrorCode AddElements(const MpmSum *sum, MpmPattern *pattern)
         for (PetscInt j = 0; j < n; j++) element[((i * bs + c) * bs + c) * n + j] = matrix[i * n + j];
     for (PetscInt k = 0; k < n * n && components > dim; k++)
       element[((k / n * bs + dim) * bs + dim) * n + k % n] = other * matrix[k];
-    MpmPatternAddBlock(pattern, space, &space->groups[space->faces.begin + f], element);
+    MpmPatternAddBlock(pattern, space, &space->groups[space->boxes.faces.begin + f], element);
   }
   PetscCall(PetscFree(matrix));
   PetscCall(PetscFree(element));
@@ -264,10 +266,10 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const MpmTerm MpmTermGhost = {.name      = "ghost penalty",
-                              .boxes     = Boxes,
-                              .residual  = Residual,
-                              .tangent   = Tangent,
-                              .apply     = Apply,
-                              .diagonal  = Diagonal,
-                              .quadratic = MpmTermIsQuadratic};
+const MpmTerm MpmTermGhost = {.name             = "ghost penalty",
+                              .boxes            = Boxes,
+                              .residual         = Residual,
+                              .tangent          = Tangent,
+                              .apply            = Apply,
+                              .diagonal         = Diagonal,
+                              .energy.quadratic = MpmTermIsQuadratic};

@@ -224,9 +224,9 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const MpmTerm MpmTermInertia = {.name      = "inertia",
-                                .residual  = Residual,
-                                .tangent   = Tangent,
-                                .apply     = Apply,
-                                .diagonal  = Diagonal,
-                                .quadratic = MpmTermIsQuadratic};
+const MpmTerm MpmTermInertia = {.name             = "inertia",
+                                .residual         = Residual,
+                                .tangent          = Tangent,
+                                .apply            = Apply,
+                                .diagonal         = Diagonal,
+                                .energy.quadratic = MpmTermIsQuadratic};

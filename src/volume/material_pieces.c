@@ -116,7 +116,7 @@ static void GroupPieces(const MpmSpace *space, const MpmGroup *group, const MpmR
     lower[a] = 0;
     count[a] = 1;
     if (a >= rules->grid->dim) continue;
-    const PetscInt first = space->first[one + a], last = first + space->count[one + a] - 1;
+    const PetscInt first = space->touched.first[one + a], last = first + space->touched.count[one + a] - 1;
     PetscInt       begin = first - MpmPieceFirstNode(p), end = last - p - MpmPieceFirstNode(p);
 
     if (first == edge[a]) begin = first;

@@ -304,7 +304,7 @@ static inline PetscErrorCode SceneDiagonal(MpmModel model, Mat local, Vec x, Sce
     PetscReal   off = 0., least = PETSC_MAX_REAL;
 
     if (masters[i] > 0.) continue;
-    for (PetscInt c = 0; c < bs; c++) rows[c] = (model->disc.space->global_begin + i) * bs + c;
+    for (PetscInt c = 0; c < bs; c++) rows[c] = (model->disc.space->number.begin + i) * bs + c;
     PetscCall(MatGetValues(local, bs, rows, bs, rows, block));
     for (PetscInt r = 0; r < bs; r++) {
       least = PetscMin(least, PetscAbsScalar(block[r * bs + r]));

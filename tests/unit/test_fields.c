@@ -407,7 +407,7 @@ static void RunInflow(PetscInt k)
   SCENE_CALL(MPI_Allreduce(MPI_IN_PLACE, content, 2, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
   flow = model->disc.nodal.reaction[1 * model->disc.block + 2];
   /* 21 x 3 nodes, on the lattice of spacing 2 11 x 2 of them */
-  ck_assert_int_eq((int)model->disc.space->unknown_count, 2 * 63 + (own[k].spacing > 1 ? 22 : 63));
+  ck_assert_int_eq((int)model->disc.space->number.unknowns, 2 * 63 + (own[k].spacing > 1 ? 22 : 63));
   ck_assert_double_gt(flow, 0.05);
   ck_assert_double_eq_tol(flow, (content[1] - content[0]) / DT, 1e-9 * flow / DT);
   SCENE_CALL(SceneDestroy(&model));

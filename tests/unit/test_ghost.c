@@ -122,8 +122,8 @@ static void CheckPolynomials(const char *const factor[])
       SCENE_CALL(Shift(model, 0.3));
       SCENE_CALL(SceneBegin(model, 0.25));
       degree = MpmShapeDegree(model->scene.shape);
-      ck_assert_msg(SceneAll((PetscBool)(model->disc.space->faces.count > 0 || model->size > 1)), "%s has no faces",
-                    shapes[s]);
+      ck_assert_msg(SceneAll((PetscBool)(model->disc.space->boxes.faces.count > 0 || model->size > 1)),
+                    "%s has no faces", shapes[s]);
       SCENE_CALL(Forces(model, degree, &polynomial, &random));
       ck_assert_msg(random > 0., "%dD %s: no penalty", (int)dim, shapes[s]);
       ck_assert_msg(polynomial <= 1e-12 * random, "%dD %s: force %g on a polynomial, %g on noise", (int)dim, shapes[s],

@@ -524,10 +524,10 @@ static PetscErrorCode GatherKeys(MpmModel model, PetscInt **keys)
   const MpmSpace *space = model->disc.space;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(space->global_count, keys));
-  for (PetscInt k = 0; k < space->global_count; k++) (*keys)[k] = -1;
-  for (PetscInt i = 0; i < space->owned; i++) (*keys)[space->global[i]] = Key(model->disc.grid, space, i);
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *keys, (PetscMPIInt)space->global_count, MPIU_INT, MPI_MAX, model->comm));
+  PetscCall(PetscMalloc1(space->number.count, keys));
+  for (PetscInt k = 0; k < space->number.count; k++) (*keys)[k] = -1;
+  for (PetscInt i = 0; i < space->owned; i++) (*keys)[space->number.global[i]] = Key(model->disc.grid, space, i);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, *keys, (PetscMPIInt)space->number.count, MPIU_INT, MPI_MAX, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -538,8 +538,8 @@ static void CheckNumbers(MpmModel model, PetscInt *keys)
   PetscInt        total = space->owned;
 
   for (PetscInt i = 0; i < space->local; i++) {
-    if (keys[space->global[i]] != Key(model->disc.grid, space, i)) fine = PETSC_FALSE;
-    if (i < space->owned && space->global[i] != space->global_begin + i) fine = PETSC_FALSE;
+    if (keys[space->number.global[i]] != Key(model->disc.grid, space, i)) fine = PETSC_FALSE;
+    if (i < space->owned && space->number.global[i] != space->number.begin + i) fine = PETSC_FALSE;
     if ((MpmGridNodeOwner(model->disc.grid,
                           (const PetscInt[]){space->node[i * model->disc.dim], space->node[i * model->disc.dim + 1],
                                              model->disc.dim > 2 ? space->node[i * model->disc.dim + 2] : 0}) ==
@@ -548,9 +548,9 @@ static void CheckNumbers(MpmModel model, PetscInt *keys)
   }
   ck_assert_msg(SceneAll(fine), "ghosts and owners number a node differently");
   SCENE_CALL(MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
-  ck_assert_int_eq((int)total, (int)space->global_count);
-  SCENE_CALL(PetscSortInt(space->global_count, keys));
-  SCENE_CALL(PetscSortedCheckDupsInt(space->global_count, keys, &duplicates));
+  ck_assert_int_eq((int)total, (int)space->number.count);
+  SCENE_CALL(PetscSortInt(space->number.count, keys));
+  SCENE_CALL(PetscSortedCheckDupsInt(space->number.count, keys, &duplicates));
   ck_assert_int_ge((int)keys[0], 0);
   ck_assert_msg(!duplicates, "a node has two numbers");
 }
@@ -562,7 +562,7 @@ static void CheckScatter(MpmModel model)
 {
   const MpmSpace *space = model->disc.space;
   PetscReal      *local, *sums, far = 0.;
-  const PetscInt  size = space->global_count * VALUES;
+  const PetscInt  size = space->number.count * VALUES;
 
   SCENE_CALL(PetscMalloc2((space->local * VALUES), &local, size, &sums));
   for (PetscInt k = 0; k < space->local * VALUES; k++) {
@@ -576,12 +576,12 @@ static void CheckScatter(MpmModel model)
   for (PetscInt k = 0; k < size; k++) sums[k] = 0.;
   for (PetscInt k = 0; k < space->local * VALUES; k++) {
     local[k] = (PetscReal)(1 + my_rank) * SceneRandom(8, Key(model->disc.grid, space, k / VALUES), k % VALUES);
-    sums[space->global[k / VALUES] * VALUES + k % VALUES] += local[k];
+    sums[space->number.global[k / VALUES] * VALUES + k % VALUES] += local[k];
   }
   SCENE_CALL(MPI_Allreduce(MPI_IN_PLACE, sums, (PetscMPIInt)size, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
   SCENE_CALL(MpmSpaceAddToOwners(space, VALUES, local));
   for (PetscInt k = 0; k < space->owned * VALUES; k++) {
-    far = PetscMax(far, PetscAbsReal(local[k] - sums[space->global[k / VALUES] * VALUES + k % VALUES]));
+    far = PetscMax(far, PetscAbsReal(local[k] - sums[space->number.global[k / VALUES] * VALUES + k % VALUES]));
   }
   ck_assert_msg(SceneAll((PetscBool)(far <= 1e-14)), "an owner misses %g of a sum", (double)far);
   SCENE_CALL(PetscFree2(local, sums));
@@ -604,9 +604,9 @@ START_TEST(numbering)
     SCENE_CALL(Create(PETSC_COMM_SELF, scenes[s], "", &alone));
     SCENE_CALL(SceneBegin(alone, 0.25));
     SCENE_CALL(GatherKeys(alone, &keys_alone));
-    SCENE_CALL(PetscSortInt(alone->disc.space->global_count, keys_alone));
-    ck_assert_int_eq((int)model->disc.space->global_count, (int)alone->disc.space->global_count);
-    SCENE_CALL(PetscArraycmp(keys, keys_alone, model->disc.space->global_count, &same));
+    SCENE_CALL(PetscSortInt(alone->disc.space->number.count, keys_alone));
+    ck_assert_int_eq((int)model->disc.space->number.count, (int)alone->disc.space->number.count);
+    SCENE_CALL(PetscArraycmp(keys, keys_alone, model->disc.space->number.count, &same));
     ck_assert_msg(SceneAll(same), "other nodes are active than on one rank");
     SCENE_CALL(PetscFree(keys));
     SCENE_CALL(PetscFree(keys_alone));

@@ -127,7 +127,7 @@ static PetscErrorCode SpringBoxes(void *ctx, const MpmRules *rules, const MpmPoi
   PetscFunctionBeginUser;
   (void)points;
   if (rules->grid->rank) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < 2; k++) springs->box[k] = space->box_count + k;
+  for (PetscInt k = 0; k < 2; k++) springs->box[k] = space->boxes.count + k;
   PetscCall(MpmSpaceAppendBoxes(space, 2, &boxes));
   for (PetscInt k = 0; k < 2; k++) {
     MpmGroup *box = &boxes[k];

@@ -164,7 +164,7 @@ static PetscErrorCode Diagonal(MpmModel model, PetscInt k, Mat mat, PetscReal *o
     PetscInt    rows[MPM_MAX_BLOCK];
     PetscScalar block[MPM_MAX_BLOCK * MPM_MAX_BLOCK];
 
-    for (PetscInt c = 0; c < bs; c++) rows[c] = (disc->space->global_begin + i) * bs + c;
+    for (PetscInt c = 0; c < bs; c++) rows[c] = (disc->space->number.begin + i) * bs + c;
     PetscCall(MatGetValues(mat, bs, rows, bs, rows, block));
     for (PetscInt cd = 0; cd < bs * bs; cd++) {
       if (!MpmConstraintsFree(disc->constraints, i * bs + cd / bs) ||
@@ -251,7 +251,8 @@ static PetscErrorCode Look(MpmModel model, PetscInt k, PetscInt scene, PetscBool
   PetscCall(MatMultTranspose(mat, x, z));
   PetscCall(Off(model, y, z, &off[1]));
   PetscCall(Diagonal(model, k, mat, &off[2]));
-  if (term->quadratic && term->quadratic(disc->terms->ctx[k])) PetscCall(Gradient(model, k, v, &gradient));
+  if (term->energy.quadratic && term->energy.quadratic(disc->terms->ctx[k]))
+    PetscCall(Gradient(model, k, v, &gradient));
   ck_assert_msg(SceneAll((PetscBool)(off[0] <= 1e-13)), "scene %d, %s: action and matrix differ by %g", (int)scene,
                 term->name, (double)off[0]);
   ck_assert_msg(SceneAll((PetscBool)(off[1] <= 1e-14)), "scene %d, %s: transposed action and matrix differ by %g",
