@@ -119,6 +119,26 @@ void MpmPatchEvaluateAt(const MpmContacts *contacts, const MpmPatch *patch, cons
 /* The kept slip becomes that at displacements u, where contact acted at others; at most the elastic slip. */
 void MpmPatchKeepSlip(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                       MpmPatchWork *work, MpmPatchAnswer *answer);
+/*
+  A boundary's body as its patches see it: its motion is prescribed (contact_patch.c), or solved for (rigid_patch.c).
+
+  evaluate  a patch at displacements u of the local nodes; forces and slips are those in the body's frame
+  turn      a facet's force along the axes, and its arm from the boundary's reference point, m
+  keep      the slip to be kept, along the axes at the step's end
+*/
+typedef struct {
+  void (*evaluate)(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                   MpmPatchWork *work, MpmPatchAnswer *answer);
+  void (*turn)(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmSum *sum, const PetscReal u[],
+               PetscReal force[3], PetscReal arm[3]);
+  void (*keep)(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+               PetscReal slip[]);
+} MpmContactFrame;
+extern const MpmContactFrame         MpmFramePrescribed, MpmFrameSolved;
+static inline const MpmContactFrame *MpmPatchFrame(const MpmContacts *contacts, const MpmPatch *patch)
+{
+  return MpmFacetsBody(&contacts->facets, patch->boundary) ? &MpmFrameSolved : &MpmFramePrescribed;
+}
 /* The force on the material at a facet. */
 void MpmFacetForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmPatchWork *work,
                    const MpmPatchAnswer *answer, PetscReal force[]);

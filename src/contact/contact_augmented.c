@@ -34,8 +34,7 @@ static PetscErrorCode FindShifts(const MpmContacts *contacts, const MpmSum *sum,
 
     shift[k] = 0.;
     if (!MpmPatchIsCorrected(contacts, patch)) continue;
-    if (MpmFacetsBody(&contacts->facets, patch->boundary)) MpmRigidEvaluate(contacts, patch, sum, u, &work, &answer);
-    else MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
+    MpmPatchFrame(contacts, patch)->evaluate(contacts, patch, sum, u, &work, &answer);
     if (!answer.active) continue;
     shift[k] = -answer.gap;
     *worst   = PetscMax(*worst, PetscAbsReal(answer.gap + patch->shift) / boundary->penetration);

@@ -218,6 +218,29 @@ void MpmPatchEvaluateAt(const MpmContacts *contacts, const MpmPatch *patch, cons
   MpmPatchEvaluate(contacts, patch, work, answer);
 }
 
+/* The force is along the axes. */
+static void TurnPrescribed(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmSum *sum,
+                           const PetscReal u[], PetscReal force[3], PetscReal arm[3])
+{
+  PetscReal value[MPM_MAX_DIM], about[MPM_MAX_DIM];
+
+  (void)force;
+  MpmPatchValue(contacts, sum, patch, f, u, value);
+  MpmBoundaryReference(&contacts->facets.boundaries[patch->boundary], &contacts->facets.after[patch->boundary], about);
+  for (PetscInt a = 0; a < sum->space->dim; a++) arm[a] = contacts->facets.at[f].place[a] + value[a] - about[a];
+}
+
+static void KeepPrescribed(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                           PetscReal slip[])
+{
+  const PetscInt b = patch->boundary;
+
+  (void)u;
+  MpmPoseTurn(sum->space->dim, &contacts->facets.before[b], &contacts->facets.after[b], slip, slip);
+}
+
+const MpmContactFrame MpmFramePrescribed = {MpmPatchEvaluateAt, TurnPrescribed, KeepPrescribed};
+
 void MpmPatchKeepSlip(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                       MpmPatchWork *work, MpmPatchAnswer *answer)
 {

@@ -25,8 +25,7 @@
 static MpmPatchState StateOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                              MpmPatchWork *work, MpmPatchAnswer *answer)
 {
-  if (MpmFacetsBody(&contacts->facets, patch->boundary)) MpmRigidEvaluate(contacts, patch, sum, u, work, answer);
-  else MpmPatchEvaluateAt(contacts, patch, sum, u, work, answer);
+  MpmPatchFrame(contacts, patch)->evaluate(contacts, patch, sum, u, work, answer);
   if (!answer->active) return MPM_PATCH_OPEN;
   return answer->slides ? MPM_PATCH_SLIDES : MPM_PATCH_STICKS;
 }

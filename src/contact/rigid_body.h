@@ -40,12 +40,6 @@ void MpmRigidFacet(const MpmContacts *contacts, const MpmPatch *patch, PetscInt 
 /* left and right of the mean; n: nodes of the patch's box, or 0: those of the body alone. */
 void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmRigidIncrement *q, PetscInt n,
                   MpmRigidWork *work);
-/* For the report of a step: a patch at the local unknowns u, a facet's force and arm along the axes, and a slip. */
-void MpmRigidEvaluate(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
-                      MpmPatchWork *work, MpmPatchAnswer *answer);
-void MpmRigidForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmSum *sum,
-                   const PetscReal u[], PetscReal force[], PetscReal arm[]);
-void MpmRigidSlip(const MpmRigidBody *body, PetscInt block, const PetscReal u[], PetscReal slip[]);
 /*
   Brings unsupported bodies to their place of rest on the present material, as the start of Newton's method; contacts
   are those about the start so far. `moved`: contacts have to be searched again.

@@ -48,9 +48,8 @@ static PetscErrorCode AddForces(const MpmContacts *contacts, const MpmSum *sum, 
     const MpmPatch *patch = &contacts->patch[k];
     MpmPatchAnswer  answer;
 
-    if (!MpmFacetsBody(&contacts->facets, patch->boundary)) MpmPatchEvaluateAt(contacts, patch, sum, u, &work, &answer);
-    else if (residual) continue;
-    else MpmRigidEvaluate(contacts, patch, sum, u, &work, &answer); /* forces as the body sees them */
+    if (residual && MpmFacetsBody(&contacts->facets, patch->boundary)) continue;
+    MpmPatchFrame(contacts, patch)->evaluate(contacts, patch, sum, u, &work, &answer);
     for (PetscInt f = patch->begin; answer.any && f < patch->end; f++) {
       PetscReal force[MPM_MAX_DIM];
 
@@ -317,24 +316,18 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
                         MpmPatchWork *work, MpmPatchAnswer *answer)
 {
-  const PetscInt      b = patch->boundary, dim = sum->space->dim;
-  const MpmRigidBody *body  = MpmFacetsBody(&contacts->facets, b);
-  PetscReal          *depth = &contacts->depth[b];
+  const PetscInt         b     = patch->boundary;
+  const MpmContactFrame *frame = MpmPatchFrame(contacts, patch);
+  PetscReal             *depth = &contacts->depth[b];
 
-  if (body) MpmRigidEvaluate(contacts, patch, sum, u, work, answer);
-  else MpmPatchEvaluateAt(contacts, patch, sum, u, work, answer);
+  frame->evaluate(contacts, patch, sum, u, work, answer);
   if (!answer->any) return;
   for (PetscInt f = patch->begin; f < patch->end; f++) {
-    PetscReal force[3] = {0., 0., 0.}, arm[3] = {0., 0., 0.}, about[MPM_MAX_DIM];
+    PetscReal force[3] = {0., 0., 0.}, arm[3] = {0., 0., 0.};
 
     if (contacts->facets.at[f].point < 0) continue;
     MpmFacetForce(contacts, patch, f, work, answer, force);
-    if (body) MpmRigidForce(contacts, patch, f, sum, u, force, arm);
-    else {
-      MpmBoundaryReference(&contacts->facets.boundaries[b], &contacts->facets.after[b], about);
-      for (PetscInt a = 0; a < dim; a++)
-        arm[a] = contacts->facets.at[f].place[a] + work->value[f - patch->begin][a] - about[a];
-    }
+    frame->turn(contacts, patch, f, sum, u, force, arm);
     for (PetscInt a = 0; a < 3; a++) {
       const PetscInt p = (a + 1) % 3, q = (a + 2) % 3;
 
@@ -347,8 +340,7 @@ static void AddReaction(MpmContacts *contacts, const MpmPatch *patch, const MpmS
   if (MpmPatchIsCorrected(contacts, patch) || !contacts->facets.boundaries[b].augmented)
     *depth = PetscMax(*depth, PetscAbsReal(answer->gap + patch->shift));
   if (contacts->moved) MpmPatchKeepSlip(contacts, patch, sum, contacts->moved, work, answer);
-  MpmPoseTurn(dim, &contacts->facets.before[b], &contacts->facets.after[b], answer->slip, answer->slip);
-  if (body) MpmRigidSlip(body, sum->block, u, answer->slip);
+  frame->keep(contacts, patch, sum, u, answer->slip);
 }
 
 /* Reactions, moments and depths of the converged step; keeps the slips. */

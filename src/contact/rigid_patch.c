@@ -124,8 +124,8 @@ void MpmRigidMean(const MpmContacts *contacts, const MpmPatch *patch, const MpmR
   FillCovectors(contacts, patch, &frame, n, work, work->left);
 }
 
-void MpmRigidEvaluate(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
-                      MpmPatchWork *work, MpmPatchAnswer *answer)
+static void EvaluateSolved(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                           MpmPatchWork *work, MpmPatchAnswer *answer)
 {
   const MpmRigidBody *body = &contacts->facets.bodies[patch->boundary];
   MpmRigidIncrement   q;
@@ -150,8 +150,8 @@ static void TurnVector(const MpmRigidBody *body, const MpmRigidIncrement *q, Pet
   for (PetscInt a = 0; a < body->dim; a++) v[a] = A[a][0] * from[0] + A[a][1] * from[1] + A[a][2] * from[2];
 }
 
-void MpmRigidForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmSum *sum,
-                   const PetscReal u[], PetscReal force[], PetscReal arm[])
+static void TurnSolved(const MpmContacts *contacts, const MpmPatch *patch, PetscInt f, const MpmSum *sum,
+                       const PetscReal u[], PetscReal force[3], PetscReal arm[3])
 {
   const MpmRigidBody *body = &contacts->facets.bodies[patch->boundary];
   PetscReal           value[MPM_MAX_DIM];
@@ -163,10 +163,16 @@ void MpmRigidForce(const MpmContacts *contacts, const MpmPatch *patch, PetscInt 
   TurnVector(body, &q, force);
 }
 
-void MpmRigidSlip(const MpmRigidBody *body, PetscInt block, const PetscReal u[], PetscReal slip[])
+/* By the prescribed motion, and by that which is solved for. */
+static void KeepSolved(const MpmContacts *contacts, const MpmPatch *patch, const MpmSum *sum, const PetscReal u[],
+                       PetscReal slip[])
 {
-  MpmRigidIncrement q;
+  const MpmRigidBody *body = &contacts->facets.bodies[patch->boundary];
+  MpmRigidIncrement   q;
 
-  MpmRigidIncrementAt(body, block, u, &q);
+  MpmFramePrescribed.keep(contacts, patch, sum, u, slip);
+  MpmRigidIncrementAt(body, sum->block, u, &q);
   TurnVector(body, &q, slip);
 }
+
+const MpmContactFrame MpmFrameSolved = {EvaluateSolved, TurnSolved, KeepSolved};
