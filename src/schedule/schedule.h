@@ -1,6 +1,6 @@
 #pragma once
 /*
-  How a run goes on from step to step (step_control.c), and whether it slides (slide.c).
+  How a run goes on from step to step (step_control.c, step_length.c), and whether it slides (slide.c).
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -21,6 +21,11 @@ void MpmStepAverageDilation(MpmModel model, PetscBool average);
 PetscReal MpmTimeRound(PetscReal time);
 /* The end of the step that starts now, and its length. */
 PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step);
+/*
+  Length of the next step after one of `dt` where `wanted` was wanted: longer after an easy step; the same after a hard
+  one, when adaptive; also where the error in time is small.
+*/
+PetscReal MpmNextLength(MpmModel model, PetscReal dt, PetscReal wanted);
 /* One step, cut as often as needed; `dt` is its length (step_control.c). */
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, MpmOutcome *outcome);
 /* Rows of the state (base/rows.h). */

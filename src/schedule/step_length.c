@@ -1,0 +1,55 @@
+/*
+  Times and lengths of steps.
+*/
+#include "query/model.h"
+#include "integrators/time_error.h"
+#include "schedule/schedule.h"
+
+/* Relative rounding errors, in units of the machine's, that are taken out of times. */
+#define ROUNDING 4
+
+/*
+  A decimal number within the rounding errors of a sum of steps. A time is then independent of the number of steps that
+  led to it, and of whether a run ends there or passes it.
+*/
+PetscReal MpmTimeRound(PetscReal time)
+{
+  char      text[32];
+  PetscReal decimal;
+
+  (void)snprintf(text, sizeof(text), "%.12e", (double)time);
+  decimal = (PetscReal)strtod(text, NULL);
+  return PetscAbsReal(decimal - time) <= ROUNDING * PETSC_MACHINE_EPSILON * PetscAbsReal(time) ? decimal : time;
+}
+
+PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
+{
+  const PetscReal small  = 1e-9 * model->state.dt_nominal;
+  PetscReal       target = model->state.time_end, next;
+
+  if (!model->state.adaptive) {
+    target = MpmTimeRound(
+      model->state.time_start +
+      model->state.dt_nominal *
+        PetscFloorReal((model->state.time - model->state.time_start + small) / model->state.dt_nominal + 1.));
+    if (target > model->state.time_end - small) target = model->state.time_end;
+  }
+  next  = MpmTimeRound(model->state.time + dt);
+  next  = next > target - PetscMax(small, 1e-3 * dt) ? target : next;
+  *step = next - model->state.time;
+  return next;
+}
+
+#define EASY 6 /* iterations */
+
+PetscReal MpmNextLength(MpmModel model, PetscReal dt, PetscReal wanted)
+{
+  if (!model->state.adaptive) return PetscMin(wanted * model->state.growth, model->state.dt_nominal);
+  if (dt < 0.99 * wanted) return wanted; /* the end of the run cut it short */
+  if (model->solver.iterations.newton <= EASY) {
+    const PetscReal factor = PetscMin(model->state.growth, MpmTimeErrorFactor(model));
+
+    return PetscMax(PetscMin(MpmTimeErrorLength(model, wanted * factor), model->state.dt_max), model->state.dt_min);
+  }
+  return wanted;
+}
