@@ -20,6 +20,9 @@ PetscErrorCode MpmModelLeave(MpmModel model);
     PetscCall(model_error); \
   } while (0)
 
+/* True where the scene has been read. */
+PetscBool MpmModelHasScene(const MpmModel model);
+
 /*
   Bodies side by side (body_overlap.c): points on edges that two of them share are made once; and a scene in which two
   overlap that are there at the same time is refused, once the points are with their ranks.

@@ -6,6 +6,7 @@
 #include "base/rows.h"
 #include "query/model.h"
 #include "observe/results.h"
+#include "model/build.h"
 
 #define HEAD "user_" /* head of the names in checkpoints: no row of the engine has it */
 
@@ -13,8 +14,7 @@
 static PetscErrorCode CheckTime(const MpmModel model)
 {
   PetscFunctionBeginUser;
-  PetscCheck(!model->scene.stages && !model->laboratory, model->comm, PETSC_ERR_ARG_WRONGSTATE,
-             "the scene has been read");
+  PetscCheck(!MpmModelHasScene(model), model->comm, PETSC_ERR_ARG_WRONGSTATE, "the scene has been read");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

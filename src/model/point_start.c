@@ -260,47 +260,68 @@ static PetscBool NeedsBodies(const MpmModel model)
                      model->scene.boundaries->count > 0 || model->scene.pairs->count > 0);
 }
 
+/* Fields of one number a point that parts of the scene ask for; the first `shared` are amounts. To be freed. */
+static PetscErrorCode NameFields(const MpmModel model, const char ***names, PetscInt *count, PetscInt *shared)
+{
+  const MpmScene  *scene  = &model->scene;
+  const MpmTracks *tracks = &model->results->tracks;
+  const char     **fields;
+
+  PetscFunctionBeginUser;
+  *count = 0;
+  PetscCall(
+    PetscMalloc1((scene->loads->count + tracks->count + MpmLinesFieldCount(model) + scene->motions->count +
+                  (scene->boundaries->count + scene->pairs->count + 1) * (MPM_MAX_DIM + 3) + 1 + MPM_CHANGE_FIELDS),
+                 names));
+  fields = *names;
+  for (PetscInt l = 0; l < scene->loads->count; l++)
+    if (scene->loads->at[l].share_field) fields[(*count)++] = scene->loads->at[l].share_field;
+  for (PetscInt t = 0; t < tracks->count; t++) fields[(*count)++] = tracks->at[t].share_field;
+  *shared = *count;
+  MpmLinesAddFields(model, fields, count);
+  AddContactFields(model, fields, count);
+  AddStageFields(model, fields, count);
+  for (PetscInt m = 0; m < scene->motions->count; m++) fields[(*count)++] = scene->motions->at[m].share_field;
+  if (MpmMovingGridField(model)) fields[(*count)++] = MpmMovingGridField(model);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* True where points know the halves of their domains: for shapes, tractions, faces, division, and ways in cells. */
+static PetscBool HasDomains(const MpmModel model, PetscBool faces)
+{
+  for (PetscInt l = 0; l < model->scene.loads->count; l++)
+    if (model->scene.loads->at[l].type == MPM_LOAD_TRACTION) return PETSC_TRUE;
+  return (PetscBool)(MpmShapeHasDomain(model->scene.shape) || faces || MpmStagesAreGeostatic(model) ||
+                     MpmStagesReduce(model) || model->scene.stabilization.divide > 0.);
+}
+
+/* True where a point's mass is not its density times its initial volume. */
+static PetscBool HasMass(const MpmModel model)
+{
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++)
+    if (MpmBodyIsImported(model->scene.bodies->at[b]) || MpmBodyIsStressed(model->scene.bodies->at[b]))
+      return PETSC_TRUE;
+  return MpmStagesKeepMass(model);
+}
+
 PetscErrorCode MpmPointFieldsCreate(MpmModel model)
 {
-  PetscInt  state_size = 0, extra = 0, shared;
-  PetscBool parts       = (PetscBool)(model->disc.material.parts > 1);
-  PetscBool faces       = (PetscBool)(model->scene.boundaries->count > 0 || parts || model->scene.surfaces->count > 0);
-  PetscBool half_length = (PetscBool)(MpmShapeHasDomain(model->scene.shape) || faces || MpmStagesAreGeostatic(model) ||
-                                      MpmStagesReduce(model) || model->scene.stabilization.divide > 0.);
+  PetscInt     state_size = 0, extra = 0, shared = 0;
+  PetscBool    parts      = (PetscBool)(model->disc.material.parts > 1);
+  PetscBool    faces = (PetscBool)(model->scene.boundaries->count > 0 || parts || model->scene.surfaces->count > 0);
   const char **fields;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((model->scene.loads->count + model->results->tracks.count + MpmLinesFieldCount(model) +
-                          model->scene.motions->count +
-                          (model->scene.boundaries->count + model->scene.pairs->count + 1) * (MPM_MAX_DIM + 3) + 1 +
-                          MPM_CHANGE_FIELDS),
-                         &fields));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
-  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
-    if (model->scene.loads->at[l].type == MPM_LOAD_TRACTION) half_length = PETSC_TRUE;
-    if (model->scene.loads->at[l].share_field) fields[extra++] = model->scene.loads->at[l].share_field;
-  }
-  for (PetscInt t = 0; t < model->results->tracks.count; t++)
-    fields[extra++] = model->results->tracks.at[t].share_field;
-  shared = extra;
-  MpmLinesAddFields(model, fields, &extra);
-  AddContactFields(model, fields, &extra);
-  AddStageFields(model, fields, &extra);
-
-  for (PetscInt m = 0; m < model->scene.motions->count; m++) fields[extra++] = model->scene.motions->at[m].share_field;
-  if (MpmMovingGridField(model)) fields[extra++] = MpmMovingGridField(model);
-
-  model->state.particles->has_mass = MpmStagesKeepMass(model);
-  for (PetscInt b = 0; b < model->scene.bodies->count; b++)
-    if (MpmBodyIsImported(model->scene.bodies->at[b]) || MpmBodyIsStressed(model->scene.bodies->at[b]))
-      model->state.particles->has_mass = PETSC_TRUE;
+  PetscCall(NameFields(model, &fields, &extra, &shared));
+  model->state.particles->has_mass = HasMass(model);
   PetscCall(MpmParticlesCreate(model->disc.grid,
                                &(MpmParticleFields){.parameters  = MpmOwnParametersSize(model),
                                                     .state_size  = state_size,
                                                     .own_size    = model->disc.layout->own.size,
                                                     .rates       = model->disc.layout->rate.count,
-                                                    .half_length = half_length,
+                                                    .half_length = HasDomains(model, faces),
                                                     .increment   = model->state.predict,
                                                     .faces       = faces,
                                                     .part        = parts,

@@ -17,7 +17,7 @@
 
 #define ROUNDING 1e-9 /* of the shares' sum, which is 1 while all points are there */
 
-PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track)
+static PetscErrorCode TrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track)
 {
   char       prefix[256], field[256];
   MpmOptions block = {options->comm, prefix, options->record};
@@ -30,6 +30,19 @@ PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const
   PetscCall(PetscStrallocpy(field, &track->share_field));
   PetscCall(MpmOptionsHeading(&block, "Track"));
   PetscCall(MpmSelectionRead(&block, grid, &track->where));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTracksRead(MpmModel model, const MpmOptions *options)
+{
+  MpmTracks *tracks = &model->results->tracks;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsBlocks(options, "tracks", "names of the followed sets of points", MPM_OPTIONAL, &tracks->count,
+                             &tracks->names));
+  PetscCall(PetscCalloc1(tracks->count, &tracks->at));
+  for (PetscInt t = 0; t < tracks->count; t++)
+    PetscCall(TrackCreate(options, tracks->names[t], model->disc.grid, &tracks->at[t]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

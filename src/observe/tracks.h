@@ -15,7 +15,6 @@ typedef struct {
   PetscBool    gone, told; /* there is none any more, and a note has said so */
 } MpmTrack;
 
-PetscErrorCode MpmTrackCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmTrack *track);
 PetscErrorCode MpmTrackDestroy(MpmTrack *track);
 PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles);
 /*
@@ -35,6 +34,8 @@ typedef struct {
   MpmTrack *at;
 } MpmTracks;
 
+/* Reads the tracks of a scene. */
+PetscErrorCode MpmTracksRead(MpmModel model, const MpmOptions *options);
 /* Columns of the history: displacements, and velocities in scenes with a dynamic stage. */
 PetscErrorCode MpmTracksAddColumns(MpmModel model, MpmColumns *columns);
 PetscErrorCode MpmTracksAddVelocities(MpmModel model, MpmColumns *columns);

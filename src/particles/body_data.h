@@ -1,0 +1,47 @@
+#pragma once
+/*
+  Data of a body, for the files of the object itself: body.c and body_points.c.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "particles/body.h"
+#include "particles/body_initial.h"
+
+struct _p_MpmBody {
+  char          *name;
+  MpmRegion      region;
+  MpmImported    imported; /* where the region is a file */
+  MpmBodyInitial initial;
+  struct {
+    PetscReal *stress;       /* Cauchy, with which its points start, Pa; or NULL */
+    PetscReal  pressure;     /* of the water, beyond the hydrostatic one */
+    PetscBool  own_pressure; /* the block has it, and it counts for points from a file, too */
+    int        wrong;        /* fault of its stress, as MpmBodyStressFill() has it */
+  } start;
+  struct {
+    PetscBool of_block;                       /* the velocity is its block's, and counts for points from a file, too */
+    PetscReal velocity[MPM_MAX_DIM], spin[3]; /* m/s; rad/s, 2D: the third */
+    PetscBool spins;
+    PetscBool averaged; /* the shape is averaged over the points' domains */
+    PetscInt  degree;   /* of splines, by which affine velocities are kept (momentum.c) */
+  } motion;
+  PetscInt dim, material;
+  struct {
+    PetscInt axis, up; /* of gravity, and which way is up, 1 or -1 */
+  } vertical;
+  struct {
+    PetscInt first, end, count;
+  } ids;
+  struct {
+    MpmFill   fill;  /* gap down to settled ground where it joins a stage */
+    PetscBool joins; /* joins a stage; room for filling points is left behind its ids */
+    PetscInt  rows;
+  } filling;
+  struct {
+    PetscInt per_cell[MPM_MAX_DIM];
+    PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
+  } cells;
+  MpmBodyLattice lattice;
+  PetscInt       before_count;
+  MpmBody       *before; /* bodies whose points on a shared edge are not this one's */
+};

@@ -1,0 +1,318 @@
+/*
+  The points of bodies: their places in cells, initial stress and motion.
+*/
+#include "geometry/geometry.h"
+#include "point/material.h"
+#include "grid/grid.h"
+#include "particles/body.h"
+#include "particles/body_data.h"
+#include "particles/body_initial.h"
+#include "particles/body_stress.h"
+#include "particles/particles.h"
+#include "particles/point_mass.h"
+#include "particles/points.h"
+
+/* True where the point stands on an edge shared with an earlier body that has a point at this very place. */
+static PetscBool IsTaken(const MpmBody body, const MpmGrid *grid, const PetscReal x[])
+{
+  for (PetscInt b = 0; b < body->before_count; b++) {
+    if (MpmBodyHolds(body->before[b], grid, x) == MPM_HOLD_EDGE && MpmBodyHolds(body, grid, x) == MPM_HOLD_EDGE)
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* ---- points ---- */
+
+void MpmBodySetVertical(MpmBody body, PetscInt axis, PetscInt up)
+{
+  body->vertical.axis = axis;
+  body->vertical.up   = up;
+}
+
+/* Of a place, up gravity's axis. */
+static PetscReal Height(const MpmBody body, const PetscReal x[])
+{
+  return (PetscReal)body->vertical.up * x[body->vertical.axis];
+}
+
+/*
+  Goes through this rank's share of the body's cells; counts the points inside, and writes them from `first` on where
+  points is given.
+*/
+static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id, PetscInt first, MpmPoints *points)
+{
+  const PetscInt dim      = grid->dim;
+  PetscInt64     cells    = 1, begin, end;
+  PetscInt       per_cell = 1, count = 0, extent[MPM_MAX_DIM];
+  PetscReal      volume = 1., x[MPM_MAX_DIM] = {0., 0., 0.};
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    extent[a] = body->cells.upper[a] - body->cells.lower[a];
+    cells *= extent[a];
+    per_cell *= body->cells.per_cell[a];
+    volume *= grid->h[a] / (PetscReal)body->cells.per_cell[a];
+  }
+  begin = cells * grid->rank / grid->size;
+  end   = cells * (grid->rank + 1) / grid->size;
+  for (PetscInt64 k = begin; k < end; k++) {
+    const PetscInt64 cell[MPM_MAX_DIM] = {k % extent[0], (k / extent[0]) % extent[1],
+                                          k / ((PetscInt64)extent[0] * extent[1])};
+
+    for (PetscInt q = 0; q < per_cell; q++) {
+      const PetscInt *m = body->cells.per_cell, sub[MPM_MAX_DIM] = {q % m[0], (q / m[0]) % m[1], q / (m[0] * m[1])};
+      PetscInt        p = first + count;
+
+      for (PetscInt a = 0; a < dim; a++) {
+        x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)(body->cells.lower[a] + cell[a]) +
+                                              ((PetscReal)sub[a] + 0.5) / (PetscReal)body->cells.per_cell[a]);
+      }
+      if (!MpmRegionContains(body->region, x) || IsTaken(body, grid, x)) continue;
+      count++;
+      if (!points) continue;
+      points->id[p]       = (PetscInt)(id + count - 1);
+      points->material[p] = body->material;
+      points->volume0[p]  = volume * MpmTurn(points->F_size, x[0]);
+      for (PetscInt a = 0; a < dim; a++) {
+        points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] = x[a];
+        if (points->half_length)
+          points->half_length[p * dim + a] = 0.5 * grid->h[a] / (PetscReal)body->cells.per_cell[a];
+        for (PetscInt b = 0; b < dim; b++) MpmPointF(points, p)[a * dim + b] = a == b ? 1. : 0.;
+      }
+      if (points->F_size > dim * dim) MpmPointF(points, p)[dim * dim] = 1.;
+    }
+  }
+  return count;
+}
+
+/* The surface of the body's region, where it cut the lattice of points. */
+static void FillCuts(const MpmBody body, PetscInt dim, PetscInt first, PetscInt end, MpmPoints *points)
+{
+  for (PetscInt p = first; points->cut && p < end; p++) {
+    PetscReal *cut = &points->cut[p * (dim + 1)];
+
+    if (!body->imported &&
+        MpmRegionCut(body->region, &points->x[p * dim], &points->half_length[p * dim], cut, &cut[dim]))
+      continue;
+    for (PetscInt a = 0; a <= dim; a++) cut[a] = 0.;
+  }
+}
+
+/* Points of bodies on a lattice start without stress, with the history that the scene gives. */
+static void FillAtRest(const MpmBody body, const MpmMaterial materials[], const MpmParticles *particles, PetscInt first,
+                       PetscInt end, MpmPoints *points)
+{
+  for (PetscInt p = first; p < end; p++) {
+    const MpmMaterial *material = &materials[points->material[p]];
+
+    if (points->state) {
+      PetscReal *state = &points->state[p * particles->state_size];
+
+      MpmMaterialStateAtRest(material, particles->dim, state);
+      MpmBodyInitialFill(body->initial, particles->dim, Height(body, &points->x[p * particles->dim]), state);
+    }
+    if (points->mass)
+      points->mass[p] = points->volume0[p] * MpmMaterialDensity(material, MpmPointOwn(points, material, p));
+  }
+}
+
+/* All points of a body from `first` on; ids from `id` on. Returns where they end. */
+static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const MpmMaterial materials[],
+                               const MpmParticles *particles, PetscInt64 id, PetscInt *first, MpmPoints *points)
+{
+  const PetscInt begin = *first, vertical[2] = {body->vertical.axis, body->vertical.up};
+
+  PetscFunctionBeginUser;
+  if (!body->imported) {
+    *first += FillCells(body, grid, id, begin, points);
+    FillCuts(body, grid->dim, begin, *first, points);
+    MpmPointsSetOwn(materials, vertical, grid->dim, begin, *first, points);
+    FillAtRest(body, materials, particles, begin, *first, points);
+    if (body->start.stress)
+      PetscCall(MpmBodyStressFill(&materials[body->material], grid->dim, body->start.stress, particles->state_size,
+                                  (const PetscInt[]){begin, *first}, points, &body->start.wrong));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *first += MpmImportedCount(body->imported);
+  for (PetscInt p = begin; p < *first; p++) {
+    points->id[p]       = (PetscInt)(id + p - begin);
+    points->material[p] = body->material;
+  }
+  for (PetscInt p = begin; p < *first && points->state; p++)
+    MpmMaterialStateAtRest(&materials[body->material], grid->dim, &points->state[p * particles->state_size]);
+  FillCuts(body, grid->dim, begin, *first, points);
+  PetscCall(MpmImportedPlace(body->imported, grid->dim, begin, points));
+  MpmPointsSetOwn(materials, vertical, grid->dim, begin, *first, points);
+  for (PetscInt p = begin; p < *first && points->state; p++)
+    MpmBodyInitialFill(body->initial, grid->dim, Height(body, &points->x[p * grid->dim]),
+                       &points->state[p * particles->state_size]);
+  PetscCall(MpmImportedFill(body->imported, grid, &materials[body->material], particles->state_size, begin, points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* omega x r */
+static void Turn(const PetscReal spin[3], PetscInt dim, const PetscReal r[], PetscReal v[])
+{
+  const PetscReal z = dim == 3 ? r[2] : 0.;
+
+  v[0] = spin[1] * z - spin[2] * r[1];
+  v[1] = spin[2] * r[0] - spin[0] * z;
+  if (dim == 3) v[2] = spin[0] * r[1] - spin[1] * r[0];
+}
+
+/*
+  A body that spins about its centre of mass. A point's affine velocity is W D with v = W r: for splines of degree p >=
+  2 over a domain of half-length l the second moment is D = (p + 1) h^2/12 + l^2/3; for linear ones W itself is kept.
+*/
+static PetscErrorCode FillSpin(const MpmBody body, PetscInt number, const MpmGrid *grid, const MpmMaterial materials[],
+                               const PetscInt body_of[], const MpmPoints *points)
+{
+  const PetscInt dim                     = grid->dim;
+  PetscReal      centre[MPM_MAX_DIM + 1] = {0.}, v[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  if (!body->motion.spins) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt p = 0; p < points->count; p++) {
+    const PetscReal mass = body_of[p] == number ? MpmPointMass(points, materials, p) : 0.;
+
+    for (PetscInt a = 0; a < dim; a++) centre[a] += mass * points->x[p * dim + a];
+    centre[MPM_MAX_DIM] += mass;
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, centre, MPM_MAX_DIM + 1, MPIU_REAL, MPIU_SUM, grid->comm));
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscReal r[MPM_MAX_DIM] = {0., 0., 0.};
+
+    if (body_of[p] != number) continue;
+    for (PetscInt a = 0; a < dim; a++) r[a] = points->x[p * dim + a] - centre[a] / centre[MPM_MAX_DIM];
+    Turn(body->motion.spin, dim, r, v);
+    for (PetscInt a = 0; a < dim; a++) points->velocity[p * dim + a] += v[a];
+    for (PetscInt b = 0; points->affine && b < dim; b++) {
+      const PetscReal h = grid->h[b],
+                      l = body->motion.averaged && points->half_length ? points->half_length[p * dim + b] : 0.;
+      PetscReal unit[MPM_MAX_DIM] = {0., 0., 0.};
+
+      unit[b] = body->motion.degree < 2 ? 1. : (PetscReal)(body->motion.degree + 1) * h * h / 12. + l * l / 3.;
+      Turn(body->motion.spin, dim, unit, v);
+      for (PetscInt a = 0; a < dim; a++) points->affine[(p * dim + a) * dim + b] = v[a];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How the points move as they are made. */
+static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
+                                 const MpmGrid *grid, const MpmPoints *points)
+{
+  const PetscInt dim = grid->dim;
+  PetscInt      *body_of, row = 0;
+
+  PetscFunctionBeginUser;
+  if (!points->velocity) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(points->count, &body_of));
+  MpmBodiesOfPoints(body_count, bodies, points, body_of);
+  for (PetscInt p = 0; p < points->count; p++, row++) {
+    const MpmBody    body = bodies[body_of[p]];
+    const PetscReal *velocity;
+
+    if (!p || body_of[p] != body_of[p - 1]) row = 0;
+    velocity = body->imported && !body->motion.of_block ? MpmImportedVelocity(body->imported) : NULL;
+    for (PetscInt a = 0; a < dim; a++)
+      points->velocity[p * dim + a] = velocity ? velocity[row * dim + a] : body->motion.velocity[a];
+  }
+  if (points->affine) PetscCall(PetscArrayzero(points->affine, points->count * dim * dim));
+  if (points->acceleration) PetscCall(PetscArrayzero(points->acceleration, points->count * dim));
+  for (PetscInt b = 0; b < body_count; b++) PetscCall(FillSpin(bodies[b], b, grid, materials, body_of, points));
+  PetscCall(PetscFree(body_of));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Room between the ids, where points may be divided. */
+static PetscErrorCode MakeRoom(PetscInt body_count, const MpmBody bodies[], MPI_Comm comm, PetscInt64 total,
+                               const MpmPoints *points)
+{
+  const PetscInt64 room = points->divisions ? 1 << MPM_DIVISIONS : 1, ids = room * total;
+
+  PetscFunctionBeginUser;
+  PetscCheck(ids < PETSC_INT_MAX, comm, PETSC_ERR_ARG_OUTOFRANGE,
+             "ids of points up to %" PetscInt64_FMT " need PETSc with 64-bit indices", ids);
+  if (room == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < body_count; b++) {
+    bodies[b]->ids.first *= (PetscInt)room;
+    bodies[b]->ids.end *= (PetscInt)room;
+  }
+  for (PetscInt p = 0; p < points->count; p++) points->id[p] *= (PetscInt)room;
+  PetscCall(PetscArrayzero(points->divisions, points->count));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ids that are left for points with which a body fills the gap beneath: all rows of the grid in each column. */
+static PetscInt64 FillIds(MpmBody body, const MpmGrid *grid)
+{
+  PetscInt64 columns = 1;
+
+  if (!body->filling.joins || body->imported || body->filling.fill == MPM_FILL_NO) return 0;
+  for (PetscInt a = 0; a < grid->dim; a++)
+    if (a != body->vertical.axis) columns *= body->lattice.count[a];
+  body->filling.rows = grid->cells[body->vertical.axis] * body->cells.per_cell[body->vertical.axis];
+  return columns * body->filling.rows;
+}
+
+PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
+                                 const MpmGrid *grid, MpmParticles *particles)
+{
+  PetscInt64 *count, *before, *total, id = 0;
+  PetscInt    local = 0, first = 0;
+  MpmPoints   points;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(body_count, &count, body_count, &before, body_count, &total));
+  for (PetscInt b = 0; b < body_count; b++) {
+    count[b] = bodies[b]->imported ? MpmImportedCount(bodies[b]->imported) : FillCells(bodies[b], grid, 0, 0, NULL);
+    local += (PetscInt)count[b];
+  }
+  PetscCallMPI(MPI_Scan(count, before, (PetscMPIInt)body_count, MPIU_INT64, MPI_SUM, grid->comm));
+  PetscCall(MPIU_Allreduce(count, total, (PetscMPIInt)body_count, MPIU_INT64, MPI_SUM, grid->comm));
+  for (PetscInt b = 0; b < body_count; b++) {
+    MpmCheckInput(total[b] > 0, "-mpm_body_%s_region: there is no point in it", bodies[b]->name);
+  }
+  particles->total = 0;
+  PetscCall(MpmParticlesRelease(particles));
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, local, MPM_PARTICLES_SPARE));
+  PetscCall(MpmParticlesGetArrays(particles, &points));
+  PetscCall(PetscArrayzero(points.stress, local * particles->stress_size));
+  if (points.across) PetscCall(PetscArrayzero(points.across, local));
+  if (points.state) PetscCall(PetscArrayzero(points.state, local * particles->state_size));
+  for (PetscInt b = 0; b < body_count; b++) {
+    PetscCall(FillBody(bodies[b], grid, materials, particles, id + before[b] - count[b], &first, &points));
+    bodies[b]->ids.count = (PetscInt)total[b];
+    bodies[b]->ids.first = (PetscInt)id;
+    id += total[b] + FillIds(bodies[b], grid);
+    particles->total += total[b];
+    bodies[b]->ids.end = (PetscInt)id;
+  }
+  for (PetscInt b = 0; b < body_count; b++) {
+    PetscCall(MpmBodyInitialCheck(bodies[b]->initial, grid->comm));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bodies[b]->start.wrong, 1, MPI_INT, MPI_MAX, grid->comm));
+    MpmCheckInput(!bodies[b]->start.wrong, "-mpm_body_%s_initial_stress: %s of material %s", bodies[b]->name,
+                  bodies[b]->start.wrong == 1 ? "lies outside of the yield surface" : "is none that a state has",
+                  materials[bodies[b]->material].name);
+  }
+  if (points.increment) PetscCall(PetscArrayzero(points.increment, local * MPM_INCREMENT(grid->dim)));
+  if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
+  if (points.value) PetscCall(PetscArrayzero(points.value_gradient, local * particles->rates * grid->dim));
+  PetscCall(FillMotion(body_count, bodies, materials, grid, &points));
+  PetscCall(MakeRoom(body_count, bodies, grid->comm, id, &points));
+  PetscCall(MpmParticlesRestoreArrays(particles, &points));
+  PetscCall(PetscFree3(count, before, total));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmBodiesOfPoints(PetscInt body_count, const MpmBody bodies[], const MpmPoints *points, PetscInt body_of[])
+{
+  for (PetscInt p = 0; p < points->count; p++) {
+    PetscInt b = 0;
+
+    while (b + 1 < body_count && points->id[p] >= bodies[b]->ids.end) b++;
+    body_of[p] = b;
+  }
+}
