@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Axial symmetry, dynamics: a ring that vibrates, waves along and across a rod, energy and momentum, a rod that bounces, ranks.
-Quick.
+"""Axial symmetry, dynamics: a ring that vibrates, waves along and across a rod, energy and momentum, a rod that bounces, ranks,
+restart. Quick.
 
 Ring: omega^2 = E/(rho R^2), Timoshenko, Young, Weaver (1974), Vibration problems in engineering, section 5.14.
 Cylinder in plane strain: omega a/c_p = z, z J_0(z) = (1 - 2 nu)/(1 - nu) J_1(z), Love (1927), A treatise on the
@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import Test  # noqa: E402
+from talus_test import Test, difference  # noqa: E402
 
 SCENE = """
 mpm:
@@ -79,6 +79,17 @@ def ring(test):
         test.check(f"ring.{method}.momentum", np.abs(along - 1).max(), None, 1e-9)
 
 
+def restart(test):
+    """A ring goes on from a checkpoint as if it had not stopped."""
+    scene = written(test, ("9,0", "11,1", "20,10"), 0.3, box("9.9,0.4", "10.1,0.6"), ("9.9,0.4", "10.1,0.6"), (0.1, 2e-3))
+    for method in METHODS:
+        options = {"mpm_time_integrator": method, "mpm_body_body_velocity": "0.01,0.002", "mpm_checkpoint_every": 25}
+        whole = test.run(scene, **options)
+        rest = test.run(scene, mpm_restart=whole.folder / "body_checkpoint_000025.h5", **options).results
+        columns = [results.column("track_body_ux")[-25:] for results in (whole.results, rest)]
+        test.check(f"restart.{method}", difference(*columns), None, 1e-9)
+
+
 def points(test, size, count, velocity):
     """A table of the points of a cylinder: radius and height, points along them, and the velocity of each."""
     r, y = (arm.ravel() for arm in np.meshgrid(*((np.arange(n) + 0.5) * length / n for length, n in zip(size, count))))
@@ -134,7 +145,7 @@ def bounce(test):
     test.near("bounce.velocity", results.column("momentum_y")[-1] / (1000 * area * 2), 0.1, relative=0.06)
 
 
-PARTS = (ring, rod, cylinder, bounce)
+PARTS = (ring, restart, rod, cylinder, bounce)
 if __name__ == "__main__":
     with Test() as test:
         for part in PARTS:

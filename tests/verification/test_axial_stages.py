@@ -238,6 +238,8 @@ def samples(test):
         test.check(f"samples.{name}.fbar", int("but for dilation" in run.output), 0, 0)
         test.check(f"samples.{name}.uniform", np.ptp(stress, axis=0).max() / 1e5, None, 1e-8)
         test.check(f"samples.{name}.stress", np.abs(stress.mean(axis=0) / exact - 1).max(), None, 1e-5)
+        other = test.run(written(test, SAMPLE % (physics, more)), ranks=3).table("stress")[:, :3]
+        test.check(f"samples.{name}.ranks", difference(stress, other), None, 1e-9)
 
 
 PARTS = (rest, gravity, layers, shaft, water, well, samples)
