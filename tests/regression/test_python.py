@@ -62,7 +62,13 @@ def check_package(test):
     path, named = os.environ["PATH"], os.environ.pop("TALUS")
     os.environ["PATH"] = f"{place}{os.pathsep}{path}"
     test.check("program.path", talus.find_program() == test.program, 1, 1)
-    os.environ["PATH"], os.environ["TALUS"] = path, named
+    os.environ["PATH"], os.environ["TALUS"] = path, str(place / "nothing")
+    try:
+        talus.run(COLLAPSE)
+        test.check("program.none", 0, 1, 1)
+    except talus.RunError as error:
+        test.check("program.none", "nothing: no such program" in error.line and error.status is None, 1, 1)
+    os.environ["TALUS"] = named
 
 
 def check_scene(test):
@@ -113,6 +119,8 @@ def check_run(test):
     test.check("run.first", one.state("first").time, 0, 0)
     test.check("run.html", "completed" in one._repr_html_() and "track_toe_ux" in one._repr_html_(), 1, 1)
     test.check("run.picture", one.plot(field="stress", component="yy")._repr_png_()[:4] == b"\x89PNG", 1, 1)
+    if importlib.util.find_spec("pyvista"):
+        test.check("run.pyvista", one.to_pyvista().point_data["displacement"].shape == (2304, 3), 1, 1)
     test.check("run.opened", talus.Results("two ranks/collapse").history.equals(two.history), 1, 1)
     heavy = {"load_weight_value": "0,-1000", "material_soil_yield_stress": 1e3, "time_end": 0.1}
     try:
