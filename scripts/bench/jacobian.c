@@ -338,7 +338,7 @@ int main(int argc, char **argv)
     PetscCall(Deform(bench.model, bench.steps));
     PetscCall(PetscPrintf(PETSC_COMM_WORLD, "points %" PetscInt_FMT "\nunknowns %" PetscInt_FMT "\n",
                           bench.model->disc.points->count,
-                          bench.model->disc.space->global_count * bench.model->disc.block));
+                          MpmNodesTotal(&bench.model->disc) * bench.model->disc.block));
     PetscCall(Compare(&bench));
     PetscCall(CompareTangents(&bench));
   }

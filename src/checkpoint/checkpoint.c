@@ -324,7 +324,7 @@ PetscErrorCode MpmCheckpointStep(MpmModel model, PetscBool *stop)
   const PetscBool      end        = (PetscBool)(!rescue && model->state.time >= model->state.time_end * (1. - 1e-12));
   PetscBool            due;
   PetscLogDouble       now;
-  int                  note[2] = {MpmSignalsCaught(), 0};
+  int                  note[2] = {(int)MpmSignalsCaught(), 0};
 
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&now));

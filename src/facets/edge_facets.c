@@ -74,7 +74,7 @@ PetscInt MpmFacetAtEdge(const MpmFacets *facets, const PetscReal h[], PetscReal 
   const MpmBoundary *boundary = &facets->boundaries[facet->boundary];
 
   if (!MpmSolidHasFaces(&boundary->solid) || boundary->bilateral || facets->cut[facet->boundary]) return 0;
-  facet->key.single = EdgeIsNear(facets, h, facet, surface);
+  facet->key.single = (PetscInt)EdgeIsNear(facets, h, facet, surface);
   return facet->key.single && MeetsEdge(facets, sides, facet) ? PetscPowInt(MPM_SLICES, boundary->dim - 1) : 0;
 }
 

@@ -59,7 +59,7 @@ static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt d
                   "-mpm_physics %s: must be one of %s, " MPM_STRESS_POINT, name, words);
     PetscCall(PetscFree(words));
   }
-  PetscCall(MpmLayoutCreate(&model->scene.physics, model->scene.kinematics, model->disc.layout));
+  PetscCall(MpmLayoutCreate(&model->scene.physics, (PetscInt)model->scene.kinematics, model->disc.layout));
   model->scene.stretch = MpmStretchFind(dim);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -206,7 +206,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscCall(PetscCalloc1(model->scene.materials->count, &model->scene.materials->at));
   model->solver.definite.symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
-    PetscCall(MpmMaterialCreate(options, model->scene.materials->names[m], model->scene.kinematics,
+    PetscCall(MpmMaterialCreate(options, model->scene.materials->names[m], (PetscInt)model->scene.kinematics,
                                 &model->scene.materials->at[m]));
     PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, model->disc.dim, &model->scene.materials->at[m]));
     if (!(model->scene.materials->at[m].info.traits & MPM_LAW_SYMMETRIC))

@@ -229,7 +229,7 @@ PetscErrorCode MpmOptionsWriteYAML(const MpmOptions *options, const char *path)
     PetscBool done;
 
     PetscCall(WriteFile(options->record, path, &done));
-    written = done;
+    written = (int)done;
   }
   PetscCallMPI(MPI_Bcast(&written, 1, MPI_INT, 0, options->comm));
   PetscCheck(written, options->comm, PETSC_ERR_FILE_WRITE, "Cannot write the options in force to %s", path);

@@ -264,7 +264,7 @@ static PetscErrorCode ReadParameter(const MpmOptions *block, PetscInt dim, Petsc
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHas(block, parameter.name, &has));
-  material->set[k] = has;
+  material->set[k] = (int)has;
   if (parameter.kind < MPM_WORD) PetscCall(MpmVariationRead(block, &parameter, dim, &variation));
   for (PetscInt i = 0; parameter.same_as && !has && i < k; i++)
     if (!strcmp(material->info.parameters[i].name, parameter.same_as)) same = FindVariation(material, i);

@@ -127,13 +127,14 @@ static PetscErrorCode SetTraits(const MpmPhysics *physics, MpmLayout *layout)
   layout->means         = layout->kernel->mean ? 1 : 0;
   layout->ghost         = physics->ghost;
   layout->traits.saddle = (PetscBool)((physics->traits & MPM_PHYSICS_SADDLE) != 0);
-  layout->traits.solid  = (PetscBool)(physics->field_count == 1 &&
-                                     layout->input.count == MpmKinematicsF(layout->kinematics) && layout->block == dim);
-  layout->traits.biot   = (PetscBool)((physics->traits & MPM_PHYSICS_BIOT) != 0);
+  layout->traits.solid =
+    (PetscBool)(physics->field_count == 1 && layout->input.count == MpmKinematicsF((int)layout->kinematics) &&
+                layout->block == dim);
+  layout->traits.biot = (PetscBool)((physics->traits & MPM_PHYSICS_BIOT) != 0);
   PetscCheck(
     !layout->traits.biot || (physics->field_count == 2 && layout->shape_count == 1 && layout->block == dim + 1 &&
-                             layout->input.by_component.first[dim] == MpmKinematicsF(layout->kinematics) &&
-                             layout->input.count == MpmKinematicsF(layout->kinematics) + dim + 2),
+                             layout->input.by_component.first[dim] == MpmKinematicsF((int)layout->kinematics) &&
+                             layout->input.count == MpmKinematicsF((int)layout->kinematics) + dim + 2),
     PETSC_COMM_SELF, PETSC_ERR_PLIB, "physics %s: its fields are not those of MPM_PHYSICS_BIOT", physics->name);
   PetscCheck(layout->kernel->inputs == layout->input.count + layout->means && layout->kernel->residual &&
                layout->kernel->direction && layout->kernel->tangent,

@@ -266,7 +266,7 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
     material->dilatancy          = material->info.dilatancy;
     model->state.rescue.dilation = PETSC_TRUE;
   }
-  PetscCall(MpmLayoutCreate(&model->scene.physics, model->scene.kinematics, model->disc.layout));
+  PetscCall(MpmLayoutCreate(&model->scene.physics, (PetscInt)model->scene.kinematics, model->disc.layout));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -270,8 +270,8 @@ static PetscErrorCode BalanceCreate(Balance *balance)
     auxiliary->state_size = 0; /* a step would write it */
     auxiliary->table      = NULL;
     auxiliary->varies     = NULL;
-    PetscCheck(MpmLawFindAll("k0_law", model->scene.kinematics, auxiliary->law, &auxiliary->info), PETSC_COMM_SELF,
-               PETSC_ERR_PLIB, "law k0 is not compiled");
+    PetscCheck(MpmLawFindAll("k0_law", (PetscInt)model->scene.kinematics, auxiliary->law, &auxiliary->info),
+               PETSC_COMM_SELF, PETSC_ERR_PLIB, "law k0 is not compiled");
     PetscCall(PetscMalloc1(auxiliary->info.parameter_count, &auxiliary->parameter));
     auxiliary->moduli.stiffness = auxiliary->moduli.penalty = BALANCE_MODULUS * balance->rest->largest;
     PetscCall(

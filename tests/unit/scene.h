@@ -27,7 +27,7 @@
 /* Whether it is true on every rank: ranks must agree on the outcome of a check. */
 static inline PetscBool SceneAll(PetscBool fine)
 {
-  int all = fine;
+  int all = (int)fine;
 
   return (PetscBool)(!MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD) && all);
 }

@@ -13,7 +13,10 @@
 
 #if defined(MPM_SENSITIVITY)
 #include <complex.h>
-#undef I /* an identity here */
+#undef I      /* an identity here */
+#ifndef CMPLX /* of C11; the C library has it for GCC alone */
+#define CMPLX(re, im) __builtin_complex((double)(re), (double)(im))
+#endif
 
 typedef double _Complex Real;
 
