@@ -94,7 +94,7 @@ static PetscErrorCode Prepare(Bench *bench, MpmModel from)
 
   PetscFunctionBeginUser;
   PetscCall(CopyPoints(from, model));
-  PetscCall(MpmStepPrepare(model, model->state.dt_nominal, model->state.dt_nominal, PETSC_FALSE, &outcome));
+  PetscCall(MpmStepPrepare(model, model->state.dt.nominal, model->state.dt.nominal, PETSC_FALSE, &outcome));
   PetscCheck(!outcome.code, model->comm, PETSC_ERR_PLIB, "%s", outcome.text);
   for (PetscInt k = 0; k < 2; k++) {
     PetscInt     count;
@@ -175,7 +175,7 @@ static PetscErrorCode Enough(SNES snes, PetscInt it, PetscReal xnorm, PetscReal 
 static PetscErrorCode Iterations(MpmModel model, const char *name)
 {
   const MpmIntegrator *integrator = model->state.scheme.integrator;
-  const PetscReal      points = (PetscReal)model->state.particles->total, dt = model->state.dt_nominal, since = Now();
+  const PetscReal      points = (PetscReal)model->state.particles->total, dt = model->state.dt.nominal, since = Now();
   PetscReal            solve;
   MpmOutcome           outcome;
 

@@ -114,7 +114,7 @@ static PetscErrorCode Deform(MpmModel model, PetscInt steps)
 
   PetscFunctionBeginUser;
   for (model->state.step = 0; model->state.step < steps; model->state.step++) {
-    const PetscReal next = model->state.dt_nominal * (PetscReal)(model->state.step + 1);
+    const PetscReal next = model->state.dt.nominal * (PetscReal)(model->state.step + 1);
 
     PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
     PetscCall(MpmStep(model, next, next - model->state.time, PETSC_FALSE, &outcome));
@@ -124,7 +124,7 @@ static PetscErrorCode Deform(MpmModel model, PetscInt steps)
   }
   PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));
   PetscCall(
-    MpmStepPrepare(model, model->state.time + model->state.dt_nominal, model->state.dt_nominal, PETSC_FALSE, &outcome));
+    MpmStepPrepare(model, model->state.time + model->state.dt.nominal, model->state.dt.nominal, PETSC_FALSE, &outcome));
   PetscCheck(!outcome.code, model->comm, PETSC_ERR_PLIB, "%s", outcome.text);
   PetscCall(MpmSolverSolve(&model->solver, &reason));
   PetscCheck(reason > 0, model->comm, PETSC_ERR_NOT_CONVERGED, "the last step did not converge");
@@ -243,7 +243,7 @@ static void PointOf(const MpmModel model, PetscInt p, MpmKernelPoint *point)
   *point = (MpmKernelPoint){.material.parameter = material->parameter,
                             .F_n                = &model->disc.points->F[p * 4],
                             .volume0            = model->disc.points->volume0[p],
-                            .dt                 = model->state.dt_nominal,
+                            .dt                 = model->state.dt.nominal,
                             .material.traits    = material->info.traits,
                             .material.law       = material->law,
                             .material.table     = material->table};

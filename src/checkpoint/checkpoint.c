@@ -321,7 +321,7 @@ PetscErrorCode MpmCheckpointStep(MpmModel model, PetscBool *stop)
 {
   const MpmCheckpoint *checkpoint = &model->results->checkpoint;
   const PetscBool      rescue     = model->state.scheme.rescuing.on;
-  const PetscBool      end        = (PetscBool)(!rescue && model->state.time >= model->state.time_end * (1. - 1e-12));
+  const PetscBool      end        = (PetscBool)(!rescue && model->state.time >= model->state.period.end * (1. - 1e-12));
   PetscBool            due;
   PetscLogDouble       now;
   int                  note[2] = {(int)MpmSignalsCaught(), 0};

@@ -404,19 +404,19 @@ PetscErrorCode MpmRestartApply(MpmModel model)
   model->state.rescue.dilation       = (PetscBool)(leaves_dilation && model->state.rescue.dilation);
   model->solver.definite.lost        = (PetscBool)(model->solver.definite.lost && may_be_indefinite);
   model->solver.definite.may_be_lost = (PetscBool)(may_be_indefinite && !model->solver.definite.lost);
-  dt_nominal                         = model->state.dt_nominal;
-  start                              = model->state.time_start;
+  dt_nominal                         = model->state.dt.nominal;
+  start                              = model->state.period.start;
   PetscCall(MpmStageResume(model));
   MpmRescueResume(model);
-  MpmCheckInput(PetscAbsReal(model->state.time_start - start) <= 1e-12 * start, /* earlier versions did not round it */
-                "-mpm_time_end: stage %s of the checkpoint %s begins at %g, not at %g",
-                model->scene.stages[model->state.stage].name, restart->path, (double)start,
-                (double)model->state.time_start);
-  if (model->state.dt_nominal != dt_nominal) model->state.dt_wanted = model->state.dt_nominal; /* changed by the user */
+  MpmCheckInput(
+    PetscAbsReal(model->state.period.start - start) <= 1e-12 * start, /* earlier versions did not round it */
+    "-mpm_time_end: stage %s of the checkpoint %s begins at %g, not at %g",
+    model->scene.stages[model->state.stage].name, restart->path, (double)start, (double)model->state.period.start);
+  if (model->state.dt.nominal != dt_nominal) model->state.dt.wanted = model->state.dt.nominal; /* changed by the user */
   if (!strcmp(model->results->checkpoint.from, "latest"))
     model->results->checkpoint.step = model->state.step; /* one of the kept files */
-  MpmCheckInput(model->state.time_end >= model->state.time * (1. - 1e-12),
-                "-mpm_time_end %g: the checkpoint %s stands at %g already", (double)model->state.time_end,
+  MpmCheckInput(model->state.period.end >= model->state.time * (1. - 1e-12),
+                "-mpm_time_end %g: the checkpoint %s stands at %g already", (double)model->state.period.end,
                 restart->path, (double)model->state.time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -156,7 +156,7 @@ static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoin
                      const MpmPieces *pieces)
 {
   const MpmGrid  *grid = rules->grid;
-  const PetscInt  dim = space->dim, shift = MpmSpaceShift(space, points->part, p);
+  const PetscInt  dim = space->dim, shift = MpmSpaceShift(space, points->domain.part, p);
   const PetscReal volume = MpmPointExtent(points, dim, p);
   const PetscReal cube   = space->shapes.half ? 0. : 0.5 * PetscPowReal(PetscMax(volume, 0.), 1. / (PetscReal)dim);
   PetscInt        first[MPM_MAX_DIM] = {0, 0, 0}, count[MPM_MAX_DIM] = {1, 1, 1}, piece[MPM_MAX_DIM] = {0, 0, 0};

@@ -38,7 +38,7 @@ static PetscReal Edges(PetscInt dim, const MpmPoints *points, PetscInt p)
     PetscReal square = 0.;
 
     for (PetscInt a = 0; a < dim; a++) square += PetscSqr(MpmPointF(points, p)[a * dim + axis]);
-    sum += points->half_length[p * dim + axis] * PetscSqrtReal(square);
+    sum += points->domain.half_length[p * dim + axis] * PetscSqrtReal(square);
   }
   return sum;
 }
@@ -57,7 +57,7 @@ static inline PetscInt NextWithFace(const PetscInt faces[], PetscInt begin, Pets
 /* Widens a box to hold point p. */
 MPM_INLINE void Include(const PetscInt dim, const MpmPoints *points, PetscInt p, MpmFaceBox *box)
 {
-  const PetscReal *x = &points->x[p * dim], *F = MpmPointF(points, p), *half = &points->half_length[p * dim];
+  const PetscReal *x = &points->x[p * dim], *F = MpmPointF(points, p), *half = &points->domain.half_length[p * dim];
   PetscReal        longest = half[0], square = PetscSqr(F[0]);
 
   for (PetscInt k = 1; k < dim * dim; k++) square += PetscSqr(F[k]);
@@ -76,7 +76,8 @@ MPM_INLINE void BoxOf(const PetscInt dim, const MpmPoints *points, PetscInt begi
 {
   MpmFaceBox wide = None(); /* in registers */
 
-  for (PetscInt p = NextWithFace(points->faces, begin, end); p < end; p = NextWithFace(points->faces, p + 1, end))
+  for (PetscInt p = NextWithFace(points->domain.faces, begin, end); p < end;
+       p          = NextWithFace(points->domain.faces, p + 1, end))
     Include(dim, points, p, &wide);
   *box = wide;
 }
@@ -135,7 +136,7 @@ MPM_INLINE void BoxOfAll(const PetscInt dim, const MpmPoints *points, PetscInt b
   Most(dim, 16, OPPOSITE, count, x, opposite);
   if (points->F_size > dim * dim) Most(dim * dim + 1, 4, SQUARE, count, MpmPointF(points, begin), square);
   else Most(dim * dim, 1 << (5 - dim), SQUARE, count, MpmPointF(points, begin), square);
-  Most(1, 32, VALUE, count * dim, &points->half_length[begin * dim], &longest);
+  Most(1, 32, VALUE, count * dim, &points->domain.half_length[begin * dim], &longest);
   box->square = 0.;
   for (PetscInt a = 0; a < dim; a++) box->lower[a] = -opposite[a];
   for (PetscInt k = 0; k < dim * dim; k++) box->square += square[k] * PetscSqr(longest);
@@ -160,9 +161,9 @@ MPM_INLINE void BoxesOfParts(const PetscInt dim, const MpmPoints *points, MpmFac
   MpmFaceBox box = None();
 
   for (PetscInt begin = 0, end; begin < points->count; begin = end) {
-    MpmFaceBox *whole = &boxes[points->part[begin]];
+    MpmFaceBox *whole = &boxes[points->domain.part[begin]];
 
-    end = EndOfPart(points->part, begin, points->count);
+    end = EndOfPart(points->domain.part, begin, points->count);
     if (end - begin < SIDE_BY_SIDE) {
       for (PetscInt p = begin; p < end; p++) Include(dim, points, p, whole);
     } else {

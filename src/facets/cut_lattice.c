@@ -19,7 +19,7 @@
 static void InitialPlace(PetscInt dim, const MpmPoints *points, PetscInt p, PetscInt face, PetscReal at[])
 {
   for (PetscInt a = 0; a < dim; a++) at[a] = points->origin[p * dim + a];
-  at[face / 2] += (face % 2 ? 1. : -1.) * points->half_length[p * dim + face / 2];
+  at[face / 2] += (face % 2 ? 1. : -1.) * points->domain.half_length[p * dim + face / 2];
 }
 
 /* True where a face of the lattice is parallel to a surface: then it is no step where the surface cut the lattice. */
@@ -39,17 +39,17 @@ PetscErrorCode MpmFacetsFindCuts(MpmFacets *facets, const MpmGrid *grid, const M
     const MpmBoundary *boundary = &facets->boundaries[k / points->count];
     const PetscInt     p        = k % points->count;
 
-    if (!points->faces[p] || !MpmRegionContains(boundary->region, &points->origin[p * dim])) continue;
+    if (!points->domain.faces[p] || !MpmRegionContains(boundary->region, &points->origin[p * dim])) continue;
     for (PetscInt face = 0; face < 2 * dim && !facets->cut[k / points->count]; face++) {
       PetscReal  at[MPM_MAX_DIM];
       MpmSurface surface;
 
-      if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
+      if (!(points->domain.faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
       if (MpmFacetsSeeRound(facets, points, k / points->count, p, face)) continue;
       InitialPlace(dim, points, p, face, at);
       MpmBoundaryDistance(boundary, &still, at, &surface);
       if (Aligned(surface.normal, face)) continue;
-      if (surface.distance < -CUT * points->half_length[p * dim + face / 2])
+      if (surface.distance < -CUT * points->domain.half_length[p * dim + face / 2])
         facets->cut[k / points->count] = PETSC_TRUE;
     }
   }
@@ -69,7 +69,7 @@ PetscBool MpmFaceTouchedAtStart(const MpmFacets *facets, PetscInt b, const MpmPo
   const MpmBoundary *boundary = &facets->boundaries[b];
   const MpmPose      still    = {.growth = 0.};
   const PetscInt     dim = boundary->dim, axis = face / 2;
-  const PetscReal    sign = face % 2 ? 1. : -1., half = points->half_length[p * dim + axis];
+  const PetscReal    sign = face % 2 ? 1. : -1., half = points->domain.half_length[p * dim + axis];
   PetscReal          at[MPM_MAX_DIM], unused[MPM_MAX_DIM];
   MpmSurface         surface, beyond;
   PetscBool          aligned;
@@ -109,13 +109,13 @@ PetscErrorCode MpmFacetsFindDrawn(MpmFacets *facets, PetscInt b, const MpmGrid *
     const PetscInt p = k / (2 * dim), face = k % (2 * dim);
     PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM], square = 0., start = 1.;
 
-    if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2)) ||
+    if (!(points->domain.faces[p] & MpmFaceBit(face / 2, face % 2)) ||
         !MpmRegionContains(facets->boundaries[b].region, &points->origin[p * dim]) ||
         !MpmFaceTouchedAtStart(facets, b, points, p, face, &arm[0]))
       continue;
-    MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], face / 2, face % 2, arm, area);
+    MpmOuterFace(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) square += PetscSqr(area[a]);
-    for (PetscInt a = 0; a < dim; a++) start *= a == face / 2 ? 1. : 2. * points->half_length[p * dim + a];
+    for (PetscInt a = 0; a < dim; a++) start *= a == face / 2 ? 1. : 2. * points->domain.half_length[p * dim + a];
     drawn = (PetscBool)(PetscSqrtReal(square) > DRAWN * start || PetscSqrtReal(square) < start / DRAWN);
   }
   PetscCall(MPIU_Allreduce(&drawn, &facets->drawn[b], 1, MPM_MPI_BOOL, MPI_LOR, grid->comm));

@@ -68,7 +68,7 @@ static PetscInt64 PatchCell(const MpmFacets *facets, const MpmGrid *grid, const 
   for (PetscInt a = 0; a < grid->dim; a++) depth += arm[a] * surface->normal[a];
   if (depth <= 0.) return facet->key.cell;
   for (PetscInt a = 0; a < grid->dim; a++) foot[a] = x[a] + (depth + NUDGE * facets->cell) * surface->normal[a];
-  return MpmFacetCell(grid, foot, points->part ? points->part[facet->point] : 0);
+  return MpmFacetCell(grid, foot, points->domain.part ? points->domain.part[facet->point] : 0);
 }
 
 /*
@@ -91,7 +91,7 @@ static void FaceSides(PetscInt dim, const MpmPoints *points, PetscInt p, PetscIn
   for (PetscInt b = 0, k = 0; b < dim; b++) {
     if (b == face / 2) continue;
     for (PetscInt a = 0; a < dim; a++)
-      sides[k][a] = points->half_length[p * dim + b] * MpmPointF(points, p)[a * dim + b];
+      sides[k][a] = points->domain.half_length[p * dim + b] * MpmPointF(points, p)[a * dim + b];
     k++;
   }
 }
@@ -146,7 +146,8 @@ static void PlaceFace(const MpmFacets *facets, const MpmPoints *points, PetscInt
   const PetscInt dim = facets->boundaries[facet->boundary].dim, p = facet->point;
 
   face->square = 0.;
-  MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], number / 2, number % 2, face->arm, face->area);
+  MpmOuterFace(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], number / 2, number % 2, face->arm,
+               face->area);
   FaceSides(dim, points, p, number, face->sides);
   for (PetscInt a = 0; a < dim; a++) facet->place[a] = points->x[p * dim + a] + face->arm[a];
   MpmFacetStartDistance(facets, face->area, facet, &face->surface);
@@ -187,7 +188,7 @@ PetscErrorCode MpmFacetsAddFaces(MpmFacets *facets, PetscReal margin, const MpmG
     MpmFacet facet = *start;
     Face     face;
 
-    if (!(points->faces[p] & MpmFaceBit(number / 2, number % 2))) continue;
+    if (!(points->domain.faces[p] & MpmFaceBit(number / 2, number % 2))) continue;
     if (MpmFacetsSeeRound(facets, points, b, p, number)) {
       PetscCall(MpmFacetsAddRound(facets, margin, points, number, start));
       continue;
@@ -197,7 +198,7 @@ PetscErrorCode MpmFacetsAddFaces(MpmFacets *facets, PetscReal margin, const MpmG
     if (!(facet.area > 0.) && !slices) continue;
     if (facet.area > FACING * PetscSqrtReal(face.square)) {
       AddToCorner(dim, face.arm, face.area, facet.area, &corner);
-      corner.initial[number / 2] = (number % 2 ? 1. : -1.) * points->half_length[p * dim + number / 2];
+      corner.initial[number / 2] = (number % 2 ? 1. : -1.) * points->domain.half_length[p * dim + number / 2];
     }
     if (!bilateral && face.surface.distance > margin) continue;
     touched = MpmFaceTouchedAtStart(facets, b, points, p, number, &kept[count]);

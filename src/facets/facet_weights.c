@@ -39,7 +39,7 @@ static void SetAxis(const MpmRules *rules, const MpmPoints *points, PetscInt p, 
 static PetscInt First(const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet, PetscInt a,
                       const Axis *axis)
 {
-  const PetscInt shift = a == space->dim - 1 ? MpmSpaceShift(space, points->part, facet->point) : 0;
+  const PetscInt shift = a == space->dim - 1 ? MpmSpaceShift(space, points->domain.part, facet->point) : 0;
 
   return axis->line.first + shift - space->groups[facet->group].first[a];
 }

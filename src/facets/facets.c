@@ -66,12 +66,12 @@ static PetscErrorCode FacetsOfBoundary(MpmFacets *facets, PetscInt b, const MpmG
       MpmFacet       facet = {.boundary = b, .point = p, .group = g};
       PetscReal      margin;
 
-      if (!points->faces[p] || MpmFaceBoxIsFar(facets, b, p) ||
+      if (!points->domain.faces[p] || MpmFaceBoxIsFar(facets, b, p) ||
           !MpmRegionContains(facets->boundaries[b].region, &points->origin[p * dim]))
         continue;
       margin = MpmFacetsMargin(facets, grid, b, &points->x[p * dim]);
       if (!facets->boundaries[b].bilateral && MpmFacetsAreFar(facets, b, margin, points, p)) continue;
-      facet.key.cell = MpmFacetCell(grid, &points->x[p * dim], points->part ? points->part[p] : 0);
+      facet.key.cell = MpmFacetCell(grid, &points->x[p * dim], points->domain.part ? points->domain.part[p] : 0);
       PetscCall(MpmFacetsAddFaces(facets, margin, grid, points, &facet));
     }
   }

@@ -38,7 +38,7 @@
 /* The round region whose surface took the next point of the lattice beyond a face, or NULL. */
 static MpmRegion RegionBeyond(const MpmFacets *facets, const MpmPoints *points, PetscInt dim, PetscInt p, PetscInt face)
 {
-  const PetscReal *half   = &points->half_length[p * dim];
+  const PetscReal *half   = &points->domain.half_length[p * dim];
   const PetscReal  size   = half[face / 2];
   const MpmBody    body   = MpmBodyOfPoint(facets->shaped, points->id[p]);
   const MpmRegion  region = body ? MpmBodyRound(body) : NULL;
@@ -70,7 +70,7 @@ static void PlaceSite(MpmRegion region, const MpmPoints *points, PetscInt dim, P
                       Site *site)
 {
   const PetscInt   p = facet->point;
-  const PetscReal *F = MpmPointF(points, p), *half = &points->half_length[p * dim];
+  const PetscReal *F = MpmPointF(points, p), *half = &points->domain.half_length[p * dim];
   PetscReal        arm[MPM_MAX_DIM], area[MPM_MAX_DIM], N[MPM_MAX_DIM], seen = 0., share = 1.;
 
   MpmOuterFace(dim, F, half, face / 2, face % 2, arm, area);

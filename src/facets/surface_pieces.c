@@ -89,7 +89,7 @@ static PetscErrorCode MakePiece(const MpmFacets *facets, const MpmRules *rules, 
   PetscCall(PetscMemzero(piece, sizeof(*piece)));
   piece->boundary = facet->boundary;
   piece->point    = p;
-  piece->part     = points->part ? points->part[p] : 0;
+  piece->part     = points->domain.part ? points->domain.part[p] : 0;
   piece->material = points->material[p];
   piece->modulus =
     MpmMaterialPenalty(&rules->materials[piece->material], MpmPointOwn(points, &rules->materials[piece->material], p));
@@ -110,7 +110,7 @@ static PetscErrorCode MakePiece(const MpmFacets *facets, const MpmRules *rules, 
     fine = (PetscBool)(fine && 2. * MpmPointHalfWhole(points, dim, p, a) <= FINE * rules->grid->h[a]);
   if (!fine) MpmFacetLines(rules, space, points, facet, piece->line);
   for (PetscInt a = 0; fine && a < dim; a++)
-    SurfaceLine(rules, facet, a, a == dim - 1 ? MpmSpaceShift(space, points->part, p) : 0, piece);
+    SurfaceLine(rules, facet, a, a == dim - 1 ? MpmSpaceShift(space, points->domain.part, p) : 0, piece);
   piece->astray = Astray(facets, points, facet);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -270,7 +270,7 @@ PetscErrorCode MpmFacetsAddShares(MpmFacets *facets, PetscInt boundary, const Mp
         facet.normal[a] = surface.normal[a];
         facet.place[a] -= surface.distance * surface.normal[a];
       }
-      facet.key.cell = MpmFacetCell(grid, &points->x[p * dim], points->part ? points->part[p] : 0);
+      facet.key.cell = MpmFacetCell(grid, &points->x[p * dim], points->domain.part ? points->domain.part[p] : 0);
       PetscCall(MpmFacetsAdd(facets, &facet));
     }
   }

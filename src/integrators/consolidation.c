@@ -120,7 +120,7 @@ PetscErrorCode MpmWaterTellStage(MpmModel model)
 {
   const PetscReal undrained[] = {0., UNDRAINED}, partly[] = {UNDRAINED, DRAINED}, drained[] = {DRAINED, PETSC_INFINITY};
   const MpmStage *stage  = &model->scene.stages[model->state.stage];
-  const PetscReal length = model->state.time_end - model->state.time_start;
+  const PetscReal length = model->state.period.end - model->state.period.start;
   PetscReal      *time;
   char            text[LINE] = "";
 
@@ -182,13 +182,13 @@ static PetscErrorCode FindExcess(MpmModel model, PetscReal *excess)
 static PetscErrorCode TryStep(MpmModel model, PetscBool drained, PetscReal pressure[], MpmOutcome *outcome)
 {
   const MpmIntegrator *integrator = &MpmIntegratorQuasistatic;
-  const PetscReal      length     = model->state.time_end - model->state.time;
+  const PetscReal      length     = model->state.period.end - model->state.time;
   MpmStage            *stage      = &model->scene.stages[model->state.stage];
 
   PetscFunctionBeginUser;
   stage->drained = drained;
   PetscCall(
-    (*integrator->begin)(model, model->state.time_end, drained ? length : SHORT * length, PETSC_FALSE, outcome));
+    (*integrator->begin)(model, model->state.period.end, drained ? length : SHORT * length, PETSC_FALSE, outcome));
   if (!outcome->code) {
     PetscCall((*integrator->predict)(model));
     PetscCall((*integrator->solve)(model, outcome));
@@ -266,7 +266,7 @@ PetscErrorCode MpmConsolidationBegin(MpmModel model)
   MpmOutcome      outcome;
 
   PetscFunctionBeginUser;
-  if (!(stage->consolidation > 0.) || model->state.time > model->state.time_start) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!(stage->consolidation > 0.) || model->state.time > model->state.period.start) PetscFunctionReturn(PETSC_SUCCESS);
   state->most   = -1.;
   state->degree = 0.;
   PetscCall(FindSteady(model, &state->most, &outcome));
@@ -286,17 +286,17 @@ static PetscBool Differ(PetscReal one, PetscReal other)
 static PetscBool IsSettled(const MpmModel model)
 {
   const PetscInt        loads = model->scene.loads->count, surfaces = model->scene.surfaces->count;
-  const PetscReal       now = model->state.time, end = model->state.time_end;
+  const PetscReal       now = model->state.time, end = model->state.period.end;
   const MpmPrescription at[2] = {MpmStepPrescription(model, now), MpmStepPrescription(model, end)};
 
   for (PetscInt l = 0; l < loads + surfaces; l++)
     if (Differ(MpmModelLoadFactor(model, l, now), MpmModelLoadFactor(model, l, end))) return PETSC_FALSE;
   for (PetscInt k = 0; k < surfaces; k++)
-    if (model->state.loads[loads + k].active &&
+    if (model->state.acting.loads[loads + k].active &&
         Differ(MpmModelSurfacePressure(model, k, now), MpmModelSurfacePressure(model, k, end)))
       return PETSC_FALSE;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
-    if (model->state.bcs[b].active &&
+    if (model->state.acting.bcs[b].active &&
         Differ(MpmStepFactor(&at[0], b, PETSC_FALSE), MpmStepFactor(&at[1], b, PETSC_FALSE)))
       return PETSC_FALSE;
   return (PetscBool)(!model->scene.water->there || !Differ(MpmRampEvaluate(model->scene.water->ramp, now),
@@ -316,11 +316,11 @@ PetscErrorCode MpmConsolidationObserve(MpmModel model)
   state->most   = PetscMax(state->most, excess);
   state->degree = state->most > 0. ? 1. - excess / state->most : 1.;
   over          = (PetscBool)(state->degree >= stage->consolidation && IsSettled(model));
-  if (over || model->state.time >= model->state.time_end)
+  if (over || model->state.time >= model->state.period.end)
     PetscCall(MpmMonitorNote(&model->monitor, "stage %s ends %.4g %% consolidated%s", stage->name,
                              (double)(100. * state->degree), over ? "" : ", its time being over"));
   if (!over) PetscFunctionReturn(PETSC_SUCCESS);
-  model->state.run_end -= model->state.time_end - model->state.time;
-  model->state.time_end = model->state.relaxing.ended[model->state.stage] = model->state.time;
+  model->state.period.run_end -= model->state.period.end - model->state.time;
+  model->state.period.end = model->state.relaxing.ended[model->state.stage] = model->state.time;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

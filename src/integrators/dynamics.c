@@ -81,7 +81,7 @@ void MpmDynamicsSetStage(MpmModel model)
   damping->linear     = moves ? motion->damping.linear : 0.;
   damping->quadratic  = moves ? motion->damping.quadratic : 0.;
   damping->conditions = moves && !model->state.scheme.rescuing.on ? model->scene.bcs : NULL;
-  damping->acting     = model->state.bcs;
+  damping->acting     = model->state.acting.bcs;
 }
 
 /* Outside of a step the balance has neither inertia nor damping. */
@@ -102,7 +102,7 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
       model->scene.stages[last + 1].time.motion.type != MPM_QUASISTATIC)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesRest(model->state.particles));
-  if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC) model->state.dt_before = -1.;
+  if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC) model->state.dt.before = -1.;
   MpmTermsRest(model->disc.terms);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -385,7 +385,7 @@ static PetscErrorCode PrepareStep(MpmModel model, PetscReal time, PetscReal dt, 
 
 static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
 {
-  const PetscBool first = (PetscBool)(model->state.dt_last == 0. && MpmModelMotion(model)->type != MPM_BACKWARD_EULER);
+  const PetscBool first = (PetscBool)(model->state.dt.last == 0. && MpmModelMotion(model)->type != MPM_BACKWARD_EULER);
   MpmTimeMethod   method;
 
   PetscFunctionBeginUser;
@@ -465,7 +465,7 @@ static PetscErrorCode Accept(MpmModel model)
     &(MpmMotionStep){.v_old = dynamics->v_start, .v_new = dynamics->v_new, .a_new = dynamics->a_new}));
   PetscCall(MpmIntegratorQuasistatic.accept(model));
   PetscCall(MpmStepRemoveGone(model));
-  if (model->state.scheme.error > 0.) model->state.scheme.largest = model->state.scheme.trial;
+  if (model->state.scheme.error.accepted > 0.) model->state.scheme.error.largest = model->state.scheme.error.trial;
   Stop(model);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

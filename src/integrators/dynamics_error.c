@@ -52,7 +52,7 @@ PetscErrorCode MpmDynamicsError(MpmModel model, PetscReal *estimate)
   const PetscBool    euler    = (PetscBool)(MpmModelMotion(model)->type == MPM_BACKWARD_EULER);
   const PetscReal    by = euler ? 0.5 : MpmTimeMethodOf(model).beta - 1. / 6., dt = model->disc.sum->dt;
   const PetscInt     dim     = model->disc.dim;
-  PetscReal          sums[2] = {0., 0.}, *largest = &model->state.scheme.trial;
+  PetscReal          sums[2] = {0., 0.}, *largest = &model->state.scheme.error.trial;
   PetscReal         *change;
 
   PetscFunctionBeginUser;
@@ -68,7 +68,7 @@ PetscErrorCode MpmDynamicsError(MpmModel model, PetscReal *estimate)
   }
   PetscCall(PetscFree(change));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPIU_SUM, model->comm));
-  *largest  = PetscMax(model->state.scheme.largest, PetscSqrtReal(sums[1]));
+  *largest  = PetscMax(model->state.scheme.error.largest, PetscSqrtReal(sums[1]));
   *estimate = *largest > 0. ? PetscSqrtReal(sums[0]) / *largest : 0.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

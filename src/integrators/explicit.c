@@ -219,7 +219,7 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   const PetscInt count    = model->disc.space->local * model->disc.dim;
   PetscReal     *other    = dynamics->a_rest;
   /* use the nominal step, so a shortened one does not stiffen contact */
-  const PetscReal dt     = PetscMax(PetscMax(model->disc.sum->dt, model->state.dt_wanted), WholeKick(model));
+  const PetscReal dt     = PetscMax(PetscMax(model->disc.sum->dt, model->state.dt.wanted), WholeKick(model));
   PetscInt        failed = 0;
 
   PetscFunctionBeginUser;
@@ -310,7 +310,7 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *agai
   MpmMotionStep step = {.v_old = dynamics->v_old, .v_new = dynamics->v_new, .moves = dynamics->moves, .again = again};
 
   PetscFunctionBeginUser;
-  if (model->disc.points->acceleration) {
+  if (model->disc.points->motion.acceleration) {
     for (PetscInt k = 0; k < count; k++) dynamics->a_new[k] = (dynamics->v_new[k] - dynamics->v_old[k]) / kick;
     step.a_new = dynamics->a_new;
   }
@@ -444,7 +444,7 @@ static PetscErrorCode Accept(MpmModel model)
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   PetscCall(Observe(model));
   sum->trial = model->disc.trial;
-  if (model->disc.points->increment) PetscCall(MpmCommitLocal(sum, model->disc.nodal.u));
+  if (model->disc.points->motion.increment) PetscCall(MpmCommitLocal(sum, model->disc.nodal.u));
   else PetscCall(MpmCommitMoves(sum, sum->dt, dynamics->moves));
   sum->trial = NULL;
   if (HasOthers(model)) {
@@ -459,7 +459,7 @@ static PetscErrorCode Accept(MpmModel model)
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));
   model->state.scheme.put_back        = PETSC_FALSE;
   model->disc.context.damping->active = PETSC_FALSE;
-  model->state.dt_before = model->state.dt_last = 0.;
+  model->state.dt.before = model->state.dt.last = 0.;
   model->state.scheme.behind                    = MpmModelRelaxes(model) ? 0. : 0.5 * sum->dt;
   model->disc.nodal.committed                   = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));

@@ -38,7 +38,7 @@ MPM_INLINE PetscReal Crossing(const PetscInt dim, const MpmModel model, const Mp
     const PetscReal    nu      = eta > 0. ? eta * MpmPointVolumeRatio(material, F) / density : 0.;
 
     for (PetscInt a = 0; a < dim; a++) {
-      const PetscReal speed = c + PetscAbsReal(points->velocity[p * dim + a]);
+      const PetscReal speed = c + PetscAbsReal(points->motion.velocity[p * dim + a]);
 
       if (eta > 0.) least = PetscMin(least, h[a] / (PetscSqrtReal(speed * speed + PetscSqr(nu / h[a])) + nu / h[a]));
       else fastest[a] = PetscMax(fastest[a], speed);
@@ -85,8 +85,8 @@ static PetscErrorCode FindScaledStep(MpmModel model)
   const MpmPoints        *points = model->disc.points;
 
   PetscFunctionBeginUser;
-  model->state.dt_wanted = GivenStep(model);
-  if (model->state.dt_wanted > 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  model->state.dt.wanted = GivenStep(model);
+  if (model->state.dt.wanted > 0.) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
   for (PetscInt p = 0; p < points->count; p++) {
     const MpmMaterial *material = &sum->materials[points->material[p]];
@@ -97,7 +97,7 @@ static PetscErrorCode FindScaledStep(MpmModel model)
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &slowest, 1, MPIU_REAL, MPIU_MIN, model->comm));
   for (PetscInt a = 0; a < dim; a++) h = PetscMin(h, model->disc.grid->h[a]);
-  model->state.dt_wanted = motion->cfl * MpmExplicitPart(motion) * h / slowest;
+  model->state.dt.wanted = motion->cfl * MpmExplicitPart(motion) * h / slowest;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -109,11 +109,11 @@ static PetscErrorCode FindScaledStep(MpmModel model)
 */
 static void ShareRest(MpmModel model)
 {
-  const PetscReal left  = model->state.time_end - model->state.time;
-  const PetscReal steps = PetscCeilReal(left / model->state.dt_wanted - 1e-3);
+  const PetscReal left  = model->state.period.end - model->state.time;
+  const PetscReal steps = PetscCeilReal(left / model->state.dt.wanted - 1e-3);
 
   if (!model->scene.boundaries->count && !model->scene.pairs->count) return;
-  if (steps >= 1. && steps <= EVEN) model->state.dt_wanted = PetscMin(model->state.dt_wanted, left / steps);
+  if (steps >= 1. && steps <= EVEN) model->state.dt.wanted = PetscMin(model->state.dt.wanted, left / steps);
 }
 
 PetscErrorCode MpmExplicitLength(MpmModel model, MpmOutcome *outcome)
@@ -130,7 +130,7 @@ PetscErrorCode MpmExplicitLength(MpmModel model, MpmOutcome *outcome)
   PetscCall(FindCrossing(model, &crossing));
   crossing *= MpmExplicitPart(motion);
   if (crossing > 0.) crossing = Shortened(&motion->damping, crossing);
-  model->state.dt_wanted = motion->cfl * crossing;
+  model->state.dt.wanted = motion->cfl * crossing;
   if (!(crossing > 0.))
     PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE, "a point has no finite wave speed"));
   if (!outcome->code && !(given > 0.) && !model->state.scheme.rescuing.on) ShareRest(model);
@@ -140,6 +140,6 @@ PetscErrorCode MpmExplicitLength(MpmModel model, MpmOutcome *outcome)
                              "the step %.4g is longer than a wave allows in a cell, %.4g", (double)given,
                              (double)crossing));
   }
-  model->state.dt_wanted = given;
+  model->state.dt.wanted = given;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -70,9 +70,9 @@ static void CorrectSupports(MpmModel model)
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
     const MpmCondition *bc       = &model->scene.bcs->at[b];
     const PetscReal    *reaction = &model->disc.nodal.reaction[b * model->disc.block];
-    PetscReal          *before   = model->state.bcs[b].force, factor;
+    PetscReal          *before   = model->state.acting.bcs[b].force, factor;
 
-    if (!model->state.bcs[b].active || bc->absorbing) continue;
+    if (!model->state.acting.bcs[b].active || bc->absorbing) continue;
     factor = part * MpmStepFactor(&step, b, PETSC_TRUE);
     for (PetscInt a = 0; a < model->disc.dim; a++) {
       const PetscReal change = reaction[a] - before[a];
@@ -87,15 +87,15 @@ static void CorrectSupports(MpmModel model)
 
 static PetscErrorCode AcceptStep(MpmModel model)
 {
-  const PetscReal last = model->state.dt_last;
+  const PetscReal last = model->state.dt.last;
 
   PetscFunctionBeginUser;
   PetscCall(AddWork(model));
   PetscCall(Commit(model));
   CorrectSupports(model);
   model->state.scheme.put_back = PETSC_FALSE;
-  model->state.dt_last         = model->state.dt_before < 0. ? 0. : model->disc.sum->span;
-  model->state.dt_before       = last;
+  model->state.dt.last         = model->state.dt.before < 0. ? 0. : model->disc.sum->span;
+  model->state.dt.before       = last;
   model->disc.nodal.committed  = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscFunctionReturn(PETSC_SUCCESS);

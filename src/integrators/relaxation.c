@@ -282,20 +282,21 @@ static PetscReal StillFrom(const MpmModel model)
   const MpmScene *scene = &model->scene;
   const MpmState *state = &model->state;
   const PetscInt  loads = scene->loads->count;
-  PetscReal       until = Later(PETSC_NINFINITY, scene->stages[state->stage].reduction.ramp, state->time_start);
+  PetscReal       until = Later(PETSC_NINFINITY, scene->stages[state->stage].reduction.ramp, state->period.start);
 
   for (PetscInt l = 0; l < loads; l++)
-    if (state->loads[l].active && !state->loads[l].forced)
-      until = Later(until, scene->loads->at[l].ramp, state->loads[l].start);
+    if (state->acting.loads[l].active && !state->acting.loads[l].forced)
+      until = Later(until, scene->loads->at[l].ramp, state->acting.loads[l].start);
   for (PetscInt s = 0; s < scene->surfaces->count; s++)
-    if (state->loads[loads + s].active && !state->loads[loads + s].forced)
-      until = Later(until, scene->surfaces->at[s].ramp, state->loads[loads + s].start);
+    if (state->acting.loads[loads + s].active && !state->acting.loads[loads + s].forced)
+      until = Later(until, scene->surfaces->at[s].ramp, state->acting.loads[loads + s].start);
   for (PetscInt b = 0; b < scene->bcs->count; b++)
-    if (state->bcs[b].active && (scene->bcs->at[b].absorbing || MpmConditionMoves(&scene->bcs->at[b], model->disc.dim)))
-      until = Later(until, scene->bcs->at[b].ramp, state->bcs[b].start);
+    if (state->acting.bcs[b].active &&
+        (scene->bcs->at[b].absorbing || MpmConditionMoves(&scene->bcs->at[b], model->disc.dim)))
+      until = Later(until, scene->bcs->at[b].ramp, state->acting.bcs[b].start);
   for (PetscInt m = 0; m < scene->motions->count; m++)
-    if (state->bcs[scene->bcs->count + m].active)
-      until = Later(until, scene->motions->at[m].ramp, state->bcs[scene->bcs->count + m].start);
+    if (state->acting.bcs[scene->bcs->count + m].active)
+      until = Later(until, scene->motions->at[m].ramp, state->acting.bcs[scene->bcs->count + m].start);
   for (PetscInt b = 0; b < scene->boundaries->count; b++) {
     const MpmMotion *motion = &scene->boundaries->at[b].motion;
 
@@ -321,9 +322,9 @@ static PetscErrorCode MayRest(MpmModel model, PetscBool *may)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (!(relaxing->kinetic > 0.) && !relaxing->resets) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->state.time == model->state.time_start)
+  if (model->state.time == model->state.period.start)
     PetscFunctionReturn(PETSC_SUCCESS); /* K_F is that of the stage's start */
-  if (model->state.time < PetscMin(StillFrom(model), model->state.time_end)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->state.time < PetscMin(StillFrom(model), model->state.period.end)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(IsDriven(model, &driven));
   *may = (PetscBool)!driven;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -340,7 +341,7 @@ static PetscBool HaveHeld(const MpmModel model)
   if (relaxation->hold >= 0.) return (PetscBool)(held >= relaxation->hold);
   if (relaxation->damping == MPM_DAMPING_VISCOUS) return (PetscBool)(held >= 2. / relaxation->xi);
   if (relaxation->damping == MPM_DAMPING_LOCAL)
-    return (PetscBool)(held >= relaxing->since - (model->state.scheme.rescuing.on ? 0. : model->state.time_start));
+    return (PetscBool)(held >= relaxing->since - (model->state.scheme.rescuing.on ? 0. : model->state.period.start));
   return (PetscBool)(held >= (relaxing->kinetic > 0. ? 4. : 2.) * relaxing->quarter &&
                      (relaxing->quarter > 0. || !(relaxing->kinetic > 0.)));
 }
@@ -425,10 +426,10 @@ PetscErrorCode MpmRelaxationOver(MpmModel model, MpmOutcome *outcome)
 
   PetscFunctionBeginUser;
   if (relaxing->rests) MpmStageEndHere(model);
-  if (relaxing->rests || state->time < state->time_end) PetscFunctionReturn(PETSC_SUCCESS);
+  if (relaxing->rests || state->time < state->period.end) PetscFunctionReturn(PETSC_SUCCESS);
   still = StillFrom(model);
   if (!(relaxing->kinetic > 0.) && !relaxing->resets) (void)PetscSNPrintf(cause, sizeof(cause), ": nothing has moved");
-  else if (still > state->time_start && state->time - still < 0.1 * (state->time_end - state->time_start))
+  else if (still > state->period.start && state->time - still < 0.1 * (state->period.end - state->period.start))
     (void)PetscSNPrintf(cause, sizeof(cause), ": loads, conditions or strengths change until %.6g", (double)still);
   PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_SOLUTION,
                            "the relaxation has not come to rest%s; K_F is %.3g and K_E %.3g, with a tolerance of %g",

@@ -169,7 +169,7 @@ static PetscErrorCode Accept(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(MpmIntegratorQuasistatic.accept(model));
-  if (model->state.scheme.error > 0.) model->state.scheme.largest = model->state.scheme.sdirk->change;
+  if (model->state.scheme.error.accepted > 0.) model->state.scheme.error.largest = model->state.scheme.sdirk->change;
   for (PetscInt k = 0; k < ReactionCount(model); k++)
     if (!layout->component[k % model->disc.block].increment)
       model->disc.nodal.reaction[k] += THETA * model->state.scheme.sdirk->reaction[k];

@@ -45,7 +45,7 @@ const char *const MpmTimeErrorField = "value_start";
 PetscErrorCode MpmTimeErrorAddRows(MpmModel model)
 {
   const MpmRow rows[] = {
-    {"largest_change", MPM_ROW_REAL, MPM_ROW_STATE, &model->state.scheme.largest, 0, 0},
+    {"largest_change", MPM_ROW_REAL, MPM_ROW_STATE, &model->state.scheme.error.largest, 0, 0},
   };
 
   PetscFunctionBeginUser;
@@ -59,11 +59,11 @@ PetscErrorCode MpmTimeErrorBegin(MpmModel model)
   MpmPoints  points;
 
   PetscFunctionBeginUser;
-  model->state.scheme.largest = 0.;
+  model->state.scheme.error.largest = 0.;
   if (!MpmStagesControlError(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(MpmParticlesGetField(model->state.particles, MpmTimeErrorField, &start));
-  for (PetscInt p = 0; p < points.count; p++) start[p] = points.value[p * model->disc.layout->rate.count];
+  for (PetscInt p = 0; p < points.count; p++) start[p] = points.physics.value[p * model->disc.layout->rate.count];
   PetscCall(MpmParticlesRestoreField(model->state.particles, &start));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -183,7 +183,7 @@ PetscErrorCode MpmTimeError(MpmModel model, PetscReal *estimate)
   PetscCall(StoredSquare(model, c, NULL, &stored));
   PetscCall(ChangeSquare(model, c, &change));
   PetscCall(PetscFree(line));
-  sdirk->change = PetscMax(model->state.scheme.largest, PetscSqrtReal(stored) + PetscSqrtReal(change));
+  sdirk->change = PetscMax(model->state.scheme.error.largest, PetscSqrtReal(stored) + PetscSqrtReal(change));
   *estimate     = error > 0. ? FACTOR * PetscPowReal(PetscSqrtReal(error) / sdirk->change, 0.5 * ORDER) : 0.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -192,9 +192,9 @@ PetscReal MpmTimeErrorFactor(const MpmModel model)
 {
   const MpmScheme *scheme = &model->state.scheme;
 
-  if (!(scheme->error > 0.)) return PETSC_INFINITY;
-  return PetscMax(SHORTEST,
-                  PetscPowReal(SAFETY * scheme->error / PetscMax(scheme->estimate, 1e-30), 1. / scheme->order));
+  if (!(scheme->error.accepted > 0.)) return PETSC_INFINITY;
+  return PetscMax(SHORTEST, PetscPowReal(SAFETY * scheme->error.accepted / PetscMax(scheme->error.estimate, 1e-30),
+                                         1. / scheme->error.order));
 }
 
 PetscReal MpmTimeErrorLength(const MpmModel model, PetscReal dt)
@@ -202,7 +202,7 @@ PetscReal MpmTimeErrorLength(const MpmModel model, PetscReal dt)
   PetscReal part;
   int       power;
 
-  if (!(model->state.scheme.error > 0.)) return dt;
+  if (!(model->state.scheme.error.accepted > 0.)) return dt;
   part = frexp(dt, &power);
   return ldexp(PetscFloorReal(2. * PARTS * part) / (2. * PARTS), power);
 }

@@ -170,16 +170,23 @@ PetscErrorCode MpmHistoryDestroy(MpmHistory *history);
 typedef struct MpmSummary {
   const char *status; /* "completed" or the reason */
   PetscInt    dim;
-  const char *title, *physics, *shape, *jacobian, *solver;
-  PetscInt64  points, cells, active_dofs_max;
-  PetscInt    steps, step_cuts;
-  PetscInt64  newton_iterations, linear_iterations;
-  PetscReal   time_total, time[MPM_TIME_COUNT];
-  PetscReal   imbalance;        /* points on the fullest rank over their mean, the most of any step */
-  PetscInt    rebalances;       /* how often the partition has moved */
-  PetscBool   reduces;          /* strength */
-  PetscReal   factor_of_safety; /* 0: not reached */
-  PetscBool   relaxes;
+  struct {
+    const char *title, *physics, *shape;
+  } scene;
+  struct {
+    const char *jacobian, *solver;
+  } solution;
+  PetscInt64 points, cells, active_dofs_max;
+  struct {
+    PetscInt   steps, step_cuts;
+    PetscInt64 newton_iterations, linear_iterations;
+  } effort;
+  PetscReal time_total, time[MPM_TIME_COUNT];
+  PetscReal imbalance;        /* points on the fullest rank over their mean, the most of any step */
+  PetscInt  rebalances;       /* how often the partition has moved */
+  PetscBool reduces;          /* strength */
+  PetscReal factor_of_safety; /* 0: not reached */
+  PetscBool relaxes;
   PetscReal
     criteria[2]; /* of the last relaxation: times when its criteria were met first, and since when; s, -1: never */
   PetscInt  changes[MPM_CHANGE_COUNT]; /* of settings that the run has made by itself */

@@ -104,7 +104,7 @@ static PetscReal FacePosition(const MpmLoad *load, PetscInt dim, PetscInt side, 
 {
   const PetscInt k = p * dim + load->face_axis;
 
-  return points->x0[k] + (PetscReal)side * points->half_length[k];
+  return points->x0[k] + (PetscReal)side * points->domain.half_length[k];
 }
 
 /* Region of a traction: its box, and whether it is a face itself or a layer of material behind one. */
@@ -194,7 +194,7 @@ static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPo
     if (face < outermost[load->face_side > 0] - slack) continue;
     share[p] = 1.;
     for (PetscInt a = 0; a < dim; a++)
-      if (a != axis) share[p] *= 2. * points->half_length[p * dim + a];
+      if (a != axis) share[p] *= 2. * points->domain.half_length[p * dim + a];
     share[p] *= MpmTurn(points->F_size, axis ? points->x[p * dim] : (PetscReal)load->face_side * face);
     area += share[p];
   }

@@ -34,7 +34,7 @@ static void OwnLines(const MpmTouched *at, PetscReal line[][MPM_MAX_WIDTH])
 static void LineAt(const MpmTouched *at, PetscInt axis, PetscInt count, const PetscReal xi[], PetscReal line[])
 {
   const PetscInt  dim   = at->space->dim;
-  const PetscInt  shift = axis == dim - 1 ? MpmSpaceShift(at->space, at->points->part, at->point) : 0;
+  const PetscInt  shift = axis == dim - 1 ? MpmSpaceShift(at->space, at->points->domain.part, at->point) : 0;
   const PetscReal share = 1. / (PetscReal)count;
   PetscReal       weight[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
   MpmShapeLine    there = {.weight = weight, .gradient = unused};
@@ -72,7 +72,7 @@ PetscErrorCode MpmLoadFaceWeights(const MpmLoad *load, const MpmTouched *at, Pet
     PetscCheck(!at->rules->stretch(MpmPointF(points, p), U), PETSC_COMM_SELF, PETSC_ERR_FP,
                "point %" PetscInt_FMT " has no stretch", points->id[p]);
     xi = (points->x[p * dim + axis] - grid->lower[axis] +
-          (PetscReal)load->face_side * points->half_length[p * dim + axis] * U[axis]) /
+          (PetscReal)load->face_side * points->domain.half_length[p * dim + axis] * U[axis]) /
          grid->h[axis];
     if (!domain) xi = WithinCell((points->x[p * dim + axis] - grid->lower[axis]) / grid->h[axis], xi);
     LineAt(at, axis, 1, &xi, line[axis]);

@@ -56,8 +56,8 @@ static PetscErrorCode FindOuter(const MpmSurfaceFaces *faces, const MpmRules *ru
   PetscCall(PetscCalloc1(points->count, &asked));
   for (PetscInt k = 0; k < faces->surfaces->count; k++)
     for (PetscInt p = 0; p < points->count; p++)
-      if (Has(faces, k, points->id[p])) asked[p] |= points->faces[p] & faces->surfaces->at[k].faces;
-  PetscCall(MpmOuterFacesFind(rules->grid, points, points->part, asked, outer));
+      if (Has(faces, k, points->id[p])) asked[p] |= points->domain.faces[p] & faces->surfaces->at[k].faces;
+  PetscCall(MpmOuterFacesFind(rules->grid, points, points->domain.part, asked, outer));
   PetscCall(PetscFree(asked));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -106,7 +106,8 @@ static PetscBool Touches(const MpmSurfaceFaces *faces, PetscInt surface, const M
   MpmFacetsDistance(&faces->contacts->facets, b, y, &there);
   for (PetscInt a = 0; a < faces->contacts->facets.boundaries[b].dim; a++) {
     along += area[a] * there.normal[a];
-    reach += PetscAbsReal(there.normal[a]) * points->half_length[p * faces->contacts->facets.boundaries[b].dim + a];
+    reach +=
+      PetscAbsReal(there.normal[a]) * points->domain.half_length[p * faces->contacts->facets.boundaries[b].dim + a];
   }
   return (PetscBool)(along < 0. && there.distance <= reach);
 }
@@ -127,13 +128,13 @@ static PetscReal PartInRegion(const MpmBodySurface *surface, PetscInt dim, const
 
   if (!surface->region) return 1.;
   for (PetscInt a = 0; a < dim; a++) x[a] = points->origin[p * dim + a];
-  x[axis] += (face % 2 ? 1. : -1.) * points->half_length[p * dim + axis];
+  x[axis] += (face % 2 ? 1. : -1.) * points->domain.half_length[p * dim + axis];
   for (PetscInt k = 0; k < count; k++) {
     for (PetscInt d = 0; d < dim - 1; d++) {
       const PetscInt a = along[d], q = d ? k / SAMPLES : k % SAMPLES;
 
       x[a] = points->origin[p * dim + a] +
-             points->half_length[p * dim + a] * ((2. * (PetscReal)q + 1.) / (PetscReal)SAMPLES - 1.);
+             points->domain.half_length[p * dim + a] * ((2. * (PetscReal)q + 1.) / (PetscReal)SAMPLES - 1.);
     }
     inside += MpmRegionContains(surface->region, x) ? 1 : 0;
   }
@@ -161,7 +162,7 @@ static PetscInt FaceHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, cons
   PetscReal      plane, across                       = 0.;
   PetscInt       axis = 0;
 
-  MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], face / 2, face % 2, arm, area);
+  MpmOuterFace(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], face / 2, face % 2, arm, area);
   for (PetscInt a = 1; a < dim; a++)
     if (PetscAbsReal(area[a]) > PetscAbsReal(area[axis])) axis = a;
   for (PetscInt a = 0; a < dim; a++) {
@@ -192,7 +193,7 @@ PetscErrorCode MpmSurfaceFacesFindHeld(const MpmSurfaceFaces *faces, const MpmGr
     const PetscInt p = k / (2 * dim), face = k % (2 * dim);
     PetscInt       b;
 
-    if (!Has(faces, surface, points.id[p]) || !(points.faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
+    if (!Has(faces, surface, points.id[p]) || !(points.domain.faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
     b = FaceHeld(faces, grid, &points, p, face);
     if (b >= 0) held[b] = 1;
   }
@@ -219,7 +220,7 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
     if (faces->surfaces->at[surface].boundary >= 0 && (held & bit)) continue;
     part = PartInRegion(&faces->surfaces->at[surface], dim, points, p, face);
     if (!(part > 0.)) continue;
-    MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], face / 2, face % 2, arm, area);
+    MpmOuterFace(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
     if (!Touches(faces, surface, points, p, facet.place, area)) continue;
     if (faces->bcs && MpmBodySurfaceIsAll(&faces->surfaces->at[surface], dim) &&
@@ -280,7 +281,7 @@ PetscErrorCode MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLo
       if (points.id[p] < acting[k].first || points.id[p] >= acting[k].end) continue;
       count[0]++;
       for (PetscInt face = 0; face < 2 * particles->dim; face++) {
-        if (!(points.faces[p] & surfaces->at[k].faces & MpmFaceBit(face / 2, face % 2))) continue;
+        if (!(points.domain.faces[p] & surfaces->at[k].faces & MpmFaceBit(face / 2, face % 2))) continue;
         count[1] += PartInRegion(&surfaces->at[k], particles->dim, &points, p, face) > 0. ? 1 : 0;
       }
     }

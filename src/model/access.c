@@ -29,8 +29,8 @@ PetscErrorCode MpmModelSetLoadFactor(MpmModel model, const char name[], PetscRea
   PetscCall(FindLoad(model, name, &load));
   PetscCheck(!PetscIsInfOrNanReal(factor), PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
              "load %s: its factor is not finite", name);
-  model->state.loads[load].forced = PETSC_TRUE;
-  model->state.loads[load].factor = factor;
+  model->state.acting.loads[load].forced = PETSC_TRUE;
+  model->state.acting.loads[load].factor = factor;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -106,8 +106,8 @@ static void Domain(const Search *search, MpmStretch stretch, PetscInt p, PetscRe
 
   if (!MpmBodyIsImported(body)) {
     MpmBodyHalfLengths(body, search->grid, half);
-  } else if (search->points.half_length && !stretch(F, U)) {
-    for (PetscInt a = 0; a < dim; a++) half[a] = U[a] * search->points.half_length[p * dim + a];
+  } else if (search->points.domain.half_length && !stretch(F, U)) {
+    for (PetscInt a = 0; a < dim; a++) half[a] = U[a] * search->points.domain.half_length[p * dim + a];
   } else {
     for (PetscInt a = 0; a < dim; a++)
       half[a] = 0.5 * PetscPowReal(PetscAbsReal(MpmPointExtent(&search->points, dim, p)), 1. / (PetscReal)dim);

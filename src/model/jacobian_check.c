@@ -110,7 +110,7 @@ static PetscErrorCode Compare(MpmModel model, Vec x, MpmJacobianCheck *check)
 
 static PetscErrorCode Check(MpmModel model, PetscReal cells, MpmJacobianCheck *check)
 {
-  const PetscReal dt = model->state.dt_wanted;
+  const PetscReal dt = model->state.dt.wanted;
   MpmOutcome      outcome;
   Vec             x;
 

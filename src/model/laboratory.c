@@ -138,7 +138,7 @@ PetscErrorCode MpmLaboratorySetUp(MpmModel model)
   MpmCheckInput(!outcome.code, "-mpm_point_stress: %s", outcome.text);
   PetscCall(MpmPointPathBegin(&block, path, laboratory->start));
   model->state.time            = path->time[0];
-  model->state.run_end         = path->time[path->rows - 1];
+  model->state.period.run_end  = path->time[path->rows - 1];
   model->state.active_dofs_max = laboratory->point.equations.count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -166,7 +166,7 @@ static PetscErrorCode FillLoad(MpmModel model, const MpmColumn *column, PetscRea
 {
   (void)column;
   PetscFunctionBeginUser;
-  values[0] = model->state.time / model->state.run_end;
+  values[0] = model->state.time / model->state.period.run_end;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -245,7 +245,7 @@ static PetscErrorCode Advance(MpmModel model, PetscReal target, PetscReal nomina
   PetscLogDouble  since;
 
   PetscFunctionBeginUser;
-  model->state.cuts = 0;
+  model->state.cuts.step = 0;
   for (;;) {
     const PetscReal left = target - model->state.time, wanted = laboratory->fraction * nominal;
 
@@ -260,8 +260,8 @@ static PetscErrorCode Advance(MpmModel model, PetscReal target, PetscReal nomina
     if (!outcome->code) break;
     if (0.5 * *dt < SHORTEST * nominal) PetscFunctionReturn(PETSC_SUCCESS);
     laboratory->fraction = 0.5 * *dt / nominal;
-    model->state.cuts++;
-    model->state.cuts_total++;
+    model->state.cuts.step++;
+    model->state.cuts.total++;
     PetscCall(MpmMonitorNote(&model->monitor, "%s; the step is cut to %.4g", outcome->text, 0.5 * (double)*dt));
   }
   laboratory->fraction = PetscMin(GROWTH * laboratory->fraction, 1.);
@@ -278,7 +278,7 @@ static PetscErrorCode IsInterrupted(MpmModel model, PetscBool *interrupted)
   PetscFunctionBeginUser;
   *interrupted = MpmSignalsCaught();
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, interrupted, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
-  if (model->state.time >= model->state.run_end) *interrupted = PETSC_FALSE;
+  if (model->state.time >= model->state.period.run_end) *interrupted = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -96,7 +96,7 @@ PetscErrorCode MpmFillOwnStates(MpmModel model)
   for (PetscInt p = 0; p < points.count; p++) {
     const MpmMaterial *material   = &model->scene.materials->at[points.material[p]];
     const double      *own_values = MpmPointOwn(&points, material, p);
-    PetscReal         *own        = &points.own[p * model->disc.layout->own.size];
+    PetscReal         *own        = &points.physics.own[p * model->disc.layout->own.size];
 
     MpmStatesAtRest((size_t)physics->state_count, physics->states, model->disc.dim, own);
     if (physics->initial) {
@@ -140,7 +140,7 @@ static void TakeFields(MpmModel model, MpmBody body, PetscInt row, PetscInt p, M
 {
   const MpmPhysics *physics = &model->scene.physics;
   const MpmLayout  *layout  = model->disc.layout;
-  PetscReal        *own     = points->own ? &points->own[p * layout->own.size] : NULL;
+  PetscReal        *own     = points->physics.own ? &points->physics.own[p * layout->own.size] : NULL;
 
   for (PetscInt s = 0; s < physics->state_count; s++) {
     const PetscInt   size   = MpmStateComponents(&physics->states[s], model->disc.dim);
@@ -153,7 +153,7 @@ static void TakeFields(MpmModel model, MpmBody body, PetscInt row, PetscInt p, M
   for (PetscInt r = 0; r < layout->rate.count; r++) {
     const PetscReal *value = MpmBodyFilePressure(body, layout->component[layout->rate.component[r]].name);
 
-    if (value) points->value[p * layout->rate.count + r] = value[row];
+    if (value) points->physics.value[p * layout->rate.count + r] = value[row];
   }
   if (layout->own.taken_up >= 0 && MpmBodyFileHasMass(body))
     points->mass[p] += points->mass[p] - MpmPointMassNow(points, model->scene.materials->at, layout, p);
@@ -190,7 +190,7 @@ PetscErrorCode MpmFillParts(MpmModel model)
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(PetscMalloc1(points.count, &body_of));
   MpmBodiesOfPoints(bodies->count, bodies->at, &points, body_of);
-  for (PetscInt p = 0; p < points.count; p++) points.part[p] = bodies->part[body_of[p]];
+  for (PetscInt p = 0; p < points.count; p++) points.domain.part[p] = bodies->part[body_of[p]];
   PetscCall(PetscFree(body_of));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -205,7 +205,7 @@ static PetscErrorCode BeginStages(MpmModel model)
   MpmSurfacesSetBodies(model);
   PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
   PetscCall(MpmStageBegin(model, 0));
-  PetscCall(MpmBodySurfacesCheck(model->scene.surfaces, &model->state.loads[model->scene.loads->count],
+  PetscCall(MpmBodySurfacesCheck(model->scene.surfaces, &model->state.acting.loads[model->scene.loads->count],
                                  model->state.particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -307,7 +307,7 @@ static PetscBool HasMass(const MpmModel model)
 PetscErrorCode MpmPointFieldsCreate(MpmModel model)
 {
   PetscInt     state_size = 0, extra = 0, shared = 0;
-  PetscBool    parts      = (PetscBool)(model->disc.material.parts > 1);
+  PetscBool    parts = (PetscBool)(model->disc.material.parts > 1);
   PetscBool    faces = (PetscBool)(model->scene.boundaries->count > 0 || parts || model->scene.surfaces->count > 0);
   const char **fields;
 

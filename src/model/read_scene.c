@@ -339,9 +339,9 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
                              MPM_OPTIONAL, &model->scene.surfaces->count, &model->scene.surfaces->names));
   PetscCall(MpmStagesReadLists(&model->scene, options));
   PetscCall(PetscCalloc1(model->scene.bcs->count, &model->scene.bcs->at));
-  PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.walls.at));
-  PetscCall(PetscCalloc1((model->scene.bcs->count + model->scene.motions->count), &model->state.bcs));
-  PetscCall(MpmConditionsAddRows(model->scene.bcs, model->state.bcs, model->state.rows));
+  PetscCall(PetscMalloc1((model->scene.bcs->count * 2 * MPM_MAX_BLOCK), &model->state.acting.walls.at));
+  PetscCall(PetscCalloc1((model->scene.bcs->count + model->scene.motions->count), &model->state.acting.bcs));
+  PetscCall(MpmConditionsAddRows(model->scene.bcs, model->state.acting.bcs, model->state.rows));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
     PetscCall(MpmConditionCreate(options, model->scene.bcs->names[b], model->disc.grid, model->disc.layout,
                                  &model->scene.bcs->at[b]));

@@ -27,7 +27,7 @@ static const char *Reason(const MpmModel model)
 
 static PetscBool AtStageEnd(const MpmModel model)
 {
-  return (PetscBool)(!model->state.scheme.rescuing.on && model->state.time >= model->state.time_end * (1. - 1e-12));
+  return (PetscBool)(!model->state.scheme.rescuing.on && model->state.time >= model->state.period.end * (1. - 1e-12));
 }
 
 /* True at the end of the last stage. */
@@ -56,9 +56,9 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
   }
   before = model->state.step;
   stage  = &model->scene.stages[model->state.stage];
-  if (begins && stage->name && model->state.time == model->state.time_start)
+  if (begins && stage->name && model->state.time == model->state.period.start)
     PetscCall(MpmMonitorNote(&model->monitor, "stage %s", stage->name));
-  if (begins && model->state.time == model->state.time_start) {
+  if (begins && model->state.time == model->state.period.start) {
     PetscCall(MpmWaterTellStage(model));
     PetscCall(MpmSurfacesTellHeld(model));
   }
@@ -66,7 +66,7 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
   if (begins && model->caller.before) PetscCall((*model->caller.before)(model, model->caller.before_ctx));
   if (stage->geostatic.method != MPM_GEOSTATIC_NONE) {
     PetscCall(MpmGeostaticRun(model, outcome));
-    *dt = model->state.time - model->state.time_start;
+    *dt = model->state.time - model->state.period.start;
   } else PetscCall(MpmAdvance(model, dt, outcome));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   if (outcome->code) PetscCall(MpmWaterFindClosed(model, outcome));
@@ -286,8 +286,8 @@ PetscErrorCode MpmModelGetTimeStep(MpmModel model, PetscReal *dt)
 {
   PetscFunctionBeginUser;
   PetscCheck(model->caller.set_up, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
-  *dt = model->state.dt_wanted;
-  if (!AtStageEnd(model)) (void)MpmNextTime(model, model->state.dt_wanted, dt);
+  *dt = model->state.dt.wanted;
+  if (!AtStageEnd(model)) (void)MpmNextTime(model, model->state.dt.wanted, dt);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -297,7 +297,7 @@ PetscErrorCode MpmModelSetTimeStep(MpmModel model, PetscReal dt)
   PetscCheck(model->caller.set_up, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
   PetscCheck(dt > 0. && !PetscIsInfOrNanReal(dt), model->comm, PETSC_ERR_ARG_OUTOFRANGE,
              "a step of %g: must be a finite number > 0", (double)dt);
-  model->state.dt_wanted = dt;
+  model->state.dt.wanted = dt;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -45,7 +45,7 @@ static PetscErrorCode FillCounts(MpmModel model, const MpmColumn *column, PetscR
   PetscFunctionBeginUser;
   values[0] = (PetscReal)model->solver.iterations.newton;
   values[1] = (PetscReal)model->solver.iterations.linear;
-  values[2] = (PetscReal)model->state.cuts;
+  values[2] = (PetscReal)model->state.cuts.step;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -151,10 +151,10 @@ PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt)
   terminal->seconds  = MEMORY * terminal->seconds + (now - terminal->since);
   terminal->progress = MEMORY * terminal->progress + dt;
   terminal->since    = now;
-  MpmTerminalDuration(terminal->seconds / terminal->progress * PetscMax(model->state.run_end - model->state.time, 0.),
-                      left);
+  MpmTerminalDuration(
+    terminal->seconds / terminal->progress * PetscMax(model->state.period.run_end - model->state.time, 0.), left);
   if (model->state.scheme.integrator->length && terminal->lines && now - terminal->shown < LINE_SECONDS &&
-      model->state.time < model->state.run_end * (1. - 1e-12))
+      model->state.time < model->state.period.run_end * (1. - 1e-12))
     PetscFunctionReturn(PETSC_SUCCESS);
   terminal->shown = now;
   if (terminal->lines && terminal->lines % LINES_A_TITLE == 0) PetscCall(PrintTitles(model));
@@ -163,8 +163,8 @@ PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt)
                         "%7" PetscInt_FMT " %14.8g %10.4g %6" PetscInt_FMT " %6" PetscInt_FMT " %4" PetscInt_FMT
                         " %5.1f%% %11s\n",
                         model->state.step, (double)model->state.time, (double)dt, model->solver.iterations.newton,
-                        model->solver.iterations.linear, model->state.cuts,
-                        PetscFloorReal(1000. * model->state.time / model->state.run_end) / 10., left));
+                        model->solver.iterations.linear, model->state.cuts.step,
+                        PetscFloorReal(1000. * model->state.time / model->state.period.run_end) / 10., left));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -197,8 +197,9 @@ PetscErrorCode MpmTerminalSummary(MPI_Comm comm, const MpmSummary *summary)
                         (long long)summary->cells, (long long)summary->active_dofs_max, (int)size,
                         size == 1 ? "" : "s"));
   PetscCall(PetscPrintf(comm, "%lld steps, %lld cuts, %lld Newton and %lld linear iterations, %.1f MB\n",
-                        (long long)summary->steps, (long long)summary->step_cuts, (long long)summary->newton_iterations,
-                        (long long)summary->linear_iterations, (double)summary->memory_max / 1e6));
+                        (long long)summary->effort.steps, (long long)summary->effort.step_cuts,
+                        (long long)summary->effort.newton_iterations, (long long)summary->effort.linear_iterations,
+                        (double)summary->memory_max / 1e6));
   for (PetscInt k = 0; k < MPM_CHANGE_COUNT; k++)
     if (summary->changes[k])
       PetscCall(PetscPrintf(comm, "changed by itself: %s (%d time%s)\n", MpmChanges[k], (int)summary->changes[k],

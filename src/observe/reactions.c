@@ -168,7 +168,7 @@ PetscErrorCode MpmReactionsAddColumns(MpmModel model, MpmColumns *columns)
 static PetscErrorCode FillOutflow(MpmModel model, const MpmColumn *column, PetscReal values[])
 {
   PetscFunctionBeginUser;
-  values[0] = model->state.loads[model->scene.loads->count + column->index].outflow;
+  values[0] = model->state.acting.loads[model->scene.loads->count + column->index].outflow;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

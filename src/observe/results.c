@@ -84,26 +84,26 @@ PetscErrorCode MpmModelWriteState(MpmModel model)
 
 PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
 {
-  MpmSummary     summary = {.status            = status,
-                            .dim               = model->disc.dim,
-                            .title             = model->scene.title,
-                            .physics           = model->scene.physics.name,
-                            .shape             = MpmShapeTypes[model->scene.shape],
-                            .jacobian          = MpmJacobianTypes[model->solver.jacobian.form],
-                            .solver            = model->solver.preset.name,
-                            .points            = model->state.particles->total,
-                            .cells             = 1,
-                            .active_dofs_max   = model->state.active_dofs_max,
-                            .steps             = model->state.step,
-                            .step_cuts         = model->state.cuts_total,
-                            .newton_iterations = model->solver.iterations.newton_total,
-                            .linear_iterations = model->solver.iterations.linear_total,
-                            .imbalance         = model->state.particles->imbalance,
-                            .rebalances        = model->state.particles->rebalances,
-                            .reduces           = MpmStagesReduce(model),
-                            .factor_of_safety  = model->state.safety.factor,
-                            .relaxes           = MpmStagesRelax(model),
-                            .criteria          = {model->state.relaxing.first, model->state.relaxing.since}};
+  MpmSummary     summary = {.status                   = status,
+                            .dim                      = model->disc.dim,
+                            .scene.title              = model->scene.title,
+                            .scene.physics            = model->scene.physics.name,
+                            .scene.shape              = MpmShapeTypes[model->scene.shape],
+                            .solution.jacobian        = MpmJacobianTypes[model->solver.jacobian.form],
+                            .solution.solver          = model->solver.preset.name,
+                            .points                   = model->state.particles->total,
+                            .cells                    = 1,
+                            .active_dofs_max          = model->state.active_dofs_max,
+                            .effort.steps             = model->state.step,
+                            .effort.step_cuts         = model->state.cuts.total,
+                            .effort.newton_iterations = model->solver.iterations.newton_total,
+                            .effort.linear_iterations = model->solver.iterations.linear_total,
+                            .imbalance                = model->state.particles->imbalance,
+                            .rebalances               = model->state.particles->rebalances,
+                            .reduces                  = MpmStagesReduce(model),
+                            .factor_of_safety         = model->state.safety.factor,
+                            .relaxes                  = MpmStagesRelax(model),
+                            .criteria                 = {model->state.relaxing.first, model->state.relaxing.since}};
   char           path[PETSC_MAX_PATH_LEN];
   PetscLogDouble now;
 
@@ -113,11 +113,11 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
   PetscCall(PetscArraycpy(summary.changes, model->monitor.changes, MPM_CHANGE_COUNT));
   for (PetscInt a = 0; a < model->disc.dim; a++) summary.cells *= model->disc.grid->cells[a];
   if (model->laboratory) {
-    summary.physics  = MPM_STRESS_POINT;
-    summary.shape    = NULL;
-    summary.jacobian = MpmJacobianTypes[MPM_JACOBIAN_LOCAL];
-    summary.solver   = "direct";
-    summary.points   = 1;
+    summary.scene.physics     = MPM_STRESS_POINT;
+    summary.scene.shape       = NULL;
+    summary.solution.jacobian = MpmJacobianTypes[MPM_JACOBIAN_LOCAL];
+    summary.solution.solver   = "direct";
+    summary.points            = 1;
   }
   PetscCall(PetscTime(&now));
   summary.time_total = now - model->results->start;

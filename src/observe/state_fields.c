@@ -81,7 +81,7 @@ static PetscErrorCode FillOwn(MpmModel model, const MpmPointColumn *column, Pets
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt s = 0; s < column->index; s++) first += MpmStateComponents(&model->scene.physics.states[s], dim);
   for (PetscInt p = 0; p < points.count; p++)
-    Copy(column, variable, dim, &points.own[p * size + first], &values[column->components * p]);
+    Copy(column, variable, dim, &points.physics.own[p * size + first], &values[column->components * p]);
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -94,7 +94,7 @@ static PetscErrorCode FillValue(MpmModel model, const MpmPointColumn *column, Pe
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < points.count; p++) values[p] = points.value[p * rates + column->index];
+  for (PetscInt p = 0; p < points.count; p++) values[p] = points.physics.value[p * rates + column->index];
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

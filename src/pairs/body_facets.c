@@ -42,7 +42,7 @@ static void SetSurface(PetscInt dim, const MpmBodies *bodies, const MpmPoints *p
                        const PetscReal arm[], MpmPairFacet *facet)
 {
   const MpmBody    body = MpmBodyOfPoint(bodies, points->id[p]);
-  const PetscReal *N = &points->cut[p * (dim + 1)], depth = N[dim];
+  const PetscReal *N = &points->domain.cut[p * (dim + 1)], depth = N[dim];
   const PetscReal  along = (face % 2 ? 1. : -1.) * N[face / 2];
   PetscReal        size = 0., known = 0., off = 0., stretch;
 
@@ -55,12 +55,12 @@ static void SetSurface(PetscInt dim, const MpmBodies *bodies, const MpmPoints *p
   for (PetscInt a = 0; a < dim; a++) facet->look[a] = facet->area[a] / size;
   facet->seen = known > 0. ? 0. : size;
   if (body && !(known > 0.)) {
-    const PetscReal half   = points->half_length[p * dim + face / 2];
+    const PetscReal half   = points->domain.half_length[p * dim + face / 2];
     const PetscReal excess = MpmBodyExcess(body, &points->origin[p * dim], face / 2, face % 2, half);
 
     for (PetscInt a = 0; a < dim; a++) facet->place[a] += excess * facet->look[a];
   }
-  if (!(along > 0. && depth < 2. * SLACK * along * points->half_length[p * dim + face / 2])) return;
+  if (!(along > 0. && depth < 2. * SLACK * along * points->domain.half_length[p * dim + face / 2])) return;
   stretch       = MpmOuterNormal(dim, MpmPointF(points, p), N, facet->look);
   facet->placed = 1;
   for (PetscInt a = 0; a < dim; a++) {
@@ -79,9 +79,9 @@ static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *r
   PetscInt           cell[MPM_MAX_DIM];
   MpmFacet           facet = {.point = p, .group = group};
   PetscReal          arm[MPM_MAX_DIM];
-  MpmPairFacet       made = {.part = points->part[p], .id = points->id[p], .face = face, .point = p};
+  MpmPairFacet       made = {.part = points->domain.part[p], .id = points->id[p], .face = face, .point = p};
 
-  MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], face / 2, face % 2, arm, made.area);
+  MpmOuterFace(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], face / 2, face % 2, arm, made.area);
   MpmGridFindCell(rules->grid, &points->x[p * dim], cell);
   for (PetscInt a = 0; a < dim; a++) {
     made.place[a] = facet.place[a] = points->x[p * dim + a] + arm[a];
@@ -111,9 +111,10 @@ typedef struct {
 /* Calls for each outer face of points in contact; stays in this file. */
 #define FOR_FACES(contacts, points, dim, p, face) \
   for (PetscInt p = 0; p < (points)->count; p++) \
-    for (PetscInt face = 0; (points)->faces[p] && InContact((contacts)->pairs, (points)->part[p]) && face < 2 * (dim); \
+    for (PetscInt face = 0; \
+         (points)->domain.faces[p] && InContact((contacts)->pairs, (points)->domain.part[p]) && face < 2 * (dim); \
          face++) \
-      if ((points)->faces[p] & MpmFaceBit(face / 2, face % 2))
+      if ((points)->domain.faces[p] & MpmFaceBit(face / 2, face % 2))
 
 /*
   Faces so far from all of the other side's part that they cannot lie across from one, nor be in the cell of one that
@@ -132,9 +133,10 @@ static PetscErrorCode FindExtents(const MpmPairContacts *contacts, const MpmGrid
   longest = &extents->least[count - 1];
   FOR_FACES(contacts, points, dim, p, face)
   {
-    PetscReal *least = &extents->least[2 * dim * points->part[p]], arm[MPM_MAX_DIM], area[MPM_MAX_DIM], square = 0.;
+    PetscReal *least = &extents->least[2 * dim * points->domain.part[p]], arm[MPM_MAX_DIM], area[MPM_MAX_DIM],
+              square = 0.;
 
-    MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], face / 2, face % 2, arm, area);
+    MpmOuterFace(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal place = points->x[p * dim + a] + arm[a];
 
@@ -177,10 +179,11 @@ static PetscErrorCode OwnFacets(MpmPairContacts *contacts, const MpmRules *rules
     for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
       const PetscInt p = space->order[s];
 
-      if (!points->faces[p] || !IsNear(&extents, contacts->pairs, points->part[p], &points->x[p * space->dim]))
+      if (!points->domain.faces[p] ||
+          !IsNear(&extents, contacts->pairs, points->domain.part[p], &points->x[p * space->dim]))
         continue;
       for (PetscInt face = 0; face < 2 * space->dim; face++) {
-        if (!(points->faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
+        if (!(points->domain.faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
         if (contacts->facets.count == capacity) {
           capacity = 2 * capacity + 64;
           PetscCall(PetscRealloc((size_t)capacity * sizeof(MpmPairFacet), &contacts->facets.at));

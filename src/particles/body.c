@@ -268,7 +268,7 @@ void MpmBodySetJoins(MpmBody body)
 
 PetscInt MpmBodyFillId(MpmBody body, const MpmPoints *points, PetscInt column, PetscInt row)
 {
-  const PetscInt room = points->divisions ? 1 << MPM_DIVISIONS : 1;
+  const PetscInt room = points->domain.divisions ? 1 << MPM_DIVISIONS : 1;
 
   return body->ids.first + room * (body->ids.count + column * body->filling.rows + row);
 }

@@ -278,10 +278,10 @@ static void TakeGeometry(const MpmImported imported, PetscInt dim, PetscReal den
   if (points->F_size > dim * dim) F[4] = quantity[DEFORMATION].value ? quantity[DEFORMATION].value[9 * row + 8] : 1.;
   points->volume0[p] = volume / MpmPointJ(points, p);
   points->mass[p]    = quantity[MASS].value ? quantity[MASS].value[row] : density * volume;
-  for (PetscInt a = 0; points->half_length && a < dim; a++)
-    points->half_length[p * dim + a] = quantity[HALF_LENGTH].value
-                                         ? quantity[HALF_LENGTH].value[row * dim + a]
-                                         : 0.5 * PetscPowReal(MpmPointExtent(points, dim, p), 1. / (PetscReal)dim);
+  for (PetscInt a = 0; points->domain.half_length && a < dim; a++)
+    points->domain.half_length[p * dim + a] =
+      quantity[HALF_LENGTH].value ? quantity[HALF_LENGTH].value[row * dim + a]
+                                  : 0.5 * PetscPowReal(MpmPointExtent(points, dim, p), 1. / (PetscReal)dim);
 }
 
 /*
@@ -310,7 +310,7 @@ static int TakeStress(const MpmImported imported, const MpmInitial *initial, Pet
   if (MpmStretchFind(dim)(found, U)) return 2;
   for (PetscInt k = 0; k < points->F_size; k++) F[k] = found[k];
   points->volume0[p] /= MpmPointJ(points, p);
-  for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] /= U[a];
+  for (PetscInt a = 0; points->domain.half_length && a < dim; a++) points->domain.half_length[p * dim + a] /= U[a];
   return answer;
 }
 

@@ -75,8 +75,8 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
       points->volume0[p]  = volume * MpmTurn(points->F_size, x[0]);
       for (PetscInt a = 0; a < dim; a++) {
         points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] = x[a];
-        if (points->half_length)
-          points->half_length[p * dim + a] = 0.5 * grid->h[a] / (PetscReal)body->cells.per_cell[a];
+        if (points->domain.half_length)
+          points->domain.half_length[p * dim + a] = 0.5 * grid->h[a] / (PetscReal)body->cells.per_cell[a];
         for (PetscInt b = 0; b < dim; b++) MpmPointF(points, p)[a * dim + b] = a == b ? 1. : 0.;
       }
       if (points->F_size > dim * dim) MpmPointF(points, p)[dim * dim] = 1.;
@@ -88,11 +88,11 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
 /* The surface of the body's region, where it cut the lattice of points. */
 static void FillCuts(const MpmBody body, PetscInt dim, PetscInt first, PetscInt end, MpmPoints *points)
 {
-  for (PetscInt p = first; points->cut && p < end; p++) {
-    PetscReal *cut = &points->cut[p * (dim + 1)];
+  for (PetscInt p = first; points->domain.cut && p < end; p++) {
+    PetscReal *cut = &points->domain.cut[p * (dim + 1)];
 
     if (!body->imported &&
-        MpmRegionCut(body->region, &points->x[p * dim], &points->half_length[p * dim], cut, &cut[dim]))
+        MpmRegionCut(body->region, &points->x[p * dim], &points->domain.half_length[p * dim], cut, &cut[dim]))
       continue;
     for (PetscInt a = 0; a <= dim; a++) cut[a] = 0.;
   }
@@ -185,15 +185,16 @@ static PetscErrorCode FillSpin(const MpmBody body, PetscInt number, const MpmGri
     if (body_of[p] != number) continue;
     for (PetscInt a = 0; a < dim; a++) r[a] = points->x[p * dim + a] - centre[a] / centre[MPM_MAX_DIM];
     Turn(body->motion.spin, dim, r, v);
-    for (PetscInt a = 0; a < dim; a++) points->velocity[p * dim + a] += v[a];
-    for (PetscInt b = 0; points->affine && b < dim; b++) {
-      const PetscReal h = grid->h[b],
-                      l = body->motion.averaged && points->half_length ? points->half_length[p * dim + b] : 0.;
-      PetscReal unit[MPM_MAX_DIM] = {0., 0., 0.};
+    for (PetscInt a = 0; a < dim; a++) points->motion.velocity[p * dim + a] += v[a];
+    for (PetscInt b = 0; points->motion.affine && b < dim; b++) {
+      const PetscReal h = grid->h[b], l = body->motion.averaged && points->domain.half_length
+                                            ? points->domain.half_length[p * dim + b]
+                                            : 0.;
+      PetscReal       unit[MPM_MAX_DIM] = {0., 0., 0.};
 
       unit[b] = body->motion.degree < 2 ? 1. : (PetscReal)(body->motion.degree + 1) * h * h / 12. + l * l / 3.;
       Turn(body->motion.spin, dim, unit, v);
-      for (PetscInt a = 0; a < dim; a++) points->affine[(p * dim + a) * dim + b] = v[a];
+      for (PetscInt a = 0; a < dim; a++) points->motion.affine[(p * dim + a) * dim + b] = v[a];
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -207,7 +208,7 @@ static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], co
   PetscInt      *body_of, row = 0;
 
   PetscFunctionBeginUser;
-  if (!points->velocity) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!points->motion.velocity) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(points->count, &body_of));
   MpmBodiesOfPoints(body_count, bodies, points, body_of);
   for (PetscInt p = 0; p < points->count; p++, row++) {
@@ -217,10 +218,10 @@ static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], co
     if (!p || body_of[p] != body_of[p - 1]) row = 0;
     velocity = body->imported && !body->motion.of_block ? MpmImportedVelocity(body->imported) : NULL;
     for (PetscInt a = 0; a < dim; a++)
-      points->velocity[p * dim + a] = velocity ? velocity[row * dim + a] : body->motion.velocity[a];
+      points->motion.velocity[p * dim + a] = velocity ? velocity[row * dim + a] : body->motion.velocity[a];
   }
-  if (points->affine) PetscCall(PetscArrayzero(points->affine, points->count * dim * dim));
-  if (points->acceleration) PetscCall(PetscArrayzero(points->acceleration, points->count * dim));
+  if (points->motion.affine) PetscCall(PetscArrayzero(points->motion.affine, points->count * dim * dim));
+  if (points->motion.acceleration) PetscCall(PetscArrayzero(points->motion.acceleration, points->count * dim));
   for (PetscInt b = 0; b < body_count; b++) PetscCall(FillSpin(bodies[b], b, grid, materials, body_of, points));
   PetscCall(PetscFree(body_of));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -230,7 +231,7 @@ static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], co
 static PetscErrorCode MakeRoom(PetscInt body_count, const MpmBody bodies[], MPI_Comm comm, PetscInt64 total,
                                const MpmPoints *points)
 {
-  const PetscInt64 room = points->divisions ? 1 << MPM_DIVISIONS : 1, ids = room * total;
+  const PetscInt64 room = points->domain.divisions ? 1 << MPM_DIVISIONS : 1, ids = room * total;
 
   PetscFunctionBeginUser;
   PetscCheck(ids < PETSC_INT_MAX, comm, PETSC_ERR_ARG_OUTOFRANGE,
@@ -241,7 +242,7 @@ static PetscErrorCode MakeRoom(PetscInt body_count, const MpmBody bodies[], MPI_
     bodies[b]->ids.end *= (PetscInt)room;
   }
   for (PetscInt p = 0; p < points->count; p++) points->id[p] *= (PetscInt)room;
-  PetscCall(PetscArrayzero(points->divisions, points->count));
+  PetscCall(PetscArrayzero(points->domain.divisions, points->count));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -297,9 +298,10 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
                   bodies[b]->start.wrong == 1 ? "lies outside of the yield surface" : "is none that a state has",
                   materials[bodies[b]->material].name);
   }
-  if (points.increment) PetscCall(PetscArrayzero(points.increment, local * MPM_INCREMENT(grid->dim)));
-  if (points.value) PetscCall(PetscArrayzero(points.value, local * particles->rates));
-  if (points.value) PetscCall(PetscArrayzero(points.value_gradient, local * particles->rates * grid->dim));
+  if (points.motion.increment) PetscCall(PetscArrayzero(points.motion.increment, local * MPM_INCREMENT(grid->dim)));
+  if (points.physics.value) PetscCall(PetscArrayzero(points.physics.value, local * particles->rates));
+  if (points.physics.value)
+    PetscCall(PetscArrayzero(points.physics.value_gradient, local * particles->rates * grid->dim));
   PetscCall(FillMotion(body_count, bodies, materials, grid, &points));
   PetscCall(MakeRoom(body_count, bodies, grid->comm, id, &points));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));

@@ -24,7 +24,7 @@ static int SetStress(const MpmInitial *initial, MpmStretch stretch, const PetscR
   for (PetscInt k = 0; k < initial->material->state_size; k++) state_n[k] = state[k];
   if (stretch(F, U)) return 2;
   points->volume0[p] /= MpmPointJ(points, p);
-  for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] /= U[a];
+  for (PetscInt a = 0; points->domain.half_length && a < dim; a++) points->domain.half_length[p * dim + a] /= U[a];
   return 0;
 }
 

@@ -49,7 +49,7 @@ static PetscReal DrawnEdge(const MpmGrid *grid, const MpmPoints *points, PetscIn
     const PetscReal F = MpmPointF(points, p)[i * dim + axis];
 
     stretch += PetscSqr(F);
-    cells += PetscSqr(2. * points->half_length[p * dim + axis] * F / grid->h[i]);
+    cells += PetscSqr(2. * points->domain.half_length[p * dim + axis] * F / grid->h[i]);
   }
   return stretch > PetscSqr(DRAWN) ? PetscSqrtReal(cells) : 0.;
 }
@@ -73,7 +73,7 @@ static PetscInt LongestAxis(const MpmGrid *grid, const MpmPoints *points, PetscI
 static void MakeHalf(const MpmGrid *grid, const MpmPoints *points, PetscInt p, PetscInt axis, PetscReal side)
 {
   const PetscInt  dim    = grid->dim;
-  const PetscReal by     = 0.5 * side * points->half_length[p * dim + axis];
+  const PetscReal by     = 0.5 * side * points->domain.half_length[p * dim + axis];
   const PetscReal radius = points->x[p * dim];
   PetscReal       way[MPM_MAX_DIM];
 
@@ -90,12 +90,13 @@ static void MakeHalf(const MpmGrid *grid, const MpmPoints *points, PetscInt p, P
   }
   points->x0[p * dim + axis] += by;
   if (points->origin != points->x0) points->origin[p * dim + axis] += by;
-  points->half_length[p * dim + axis] *= 0.5;
-  points->divisions[p] += 1 << (MPM_DIVISION_BITS * axis);
-  if (points->cut) points->cut[p * (dim + 1) + dim] -= by * points->cut[p * (dim + 1) + axis];
-  if (points->faces) points->faces[p] &= ~(1 << (2 * axis + (side > 0. ? 0 : 1))); /* its other half is there */
-  for (PetscInt step = 0; points->increment && step < 2; step++) {
-    PetscReal *increment = &points->increment[p * MPM_INCREMENT(dim) + step * dim * (dim + 1)];
+  points->domain.half_length[p * dim + axis] *= 0.5;
+  points->domain.divisions[p] += 1 << (MPM_DIVISION_BITS * axis);
+  if (points->domain.cut) points->domain.cut[p * (dim + 1) + dim] -= by * points->domain.cut[p * (dim + 1) + axis];
+  if (points->domain.faces)
+    points->domain.faces[p] &= ~(1 << (2 * axis + (side > 0. ? 0 : 1))); /* its other half is there */
+  for (PetscInt step = 0; points->motion.increment && step < 2; step++) {
+    PetscReal *increment = &points->motion.increment[p * MPM_INCREMENT(dim) + step * dim * (dim + 1)];
 
     for (PetscInt i = 0; i < dim; i++)
       for (PetscInt j = 0; j < dim; j++) increment[i] += increment[dim + i * dim + j] * way[j];
@@ -160,11 +161,11 @@ static void CutThreads(const MpmGrid *grid, const MpmMaterial *materials, const 
 
     if (!last && LongestAxis(grid, points, p, longest) < 0) continue;
     if (materials[points->material[p]].info.traits & MPM_LAW_VOLUME && Openness(dim, F) <= SKEWED)
-      Straighten(dim, &points->half_length[p * dim], F);
+      Straighten(dim, &points->domain.half_length[p * dim], F);
     for (PetscInt a = 0; last && a < dim; a++) {
       const PetscReal cells = DrawnEdge(grid, points, p, a);
 
-      if (cells > longest) points->half_length[p * dim + a] *= longest / cells;
+      if (cells > longest) points->domain.half_length[p * dim + a] *= longest / cells;
     }
   }
 }

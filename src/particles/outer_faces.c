@@ -70,7 +70,7 @@ static void Reach(PetscInt dim, const PetscReal F[], const PetscReal half[], Pet
 
 static Domain MakeDomain(PetscInt dim, const MpmPoints *points, PetscInt p, PetscInt part)
 {
-  const PetscReal *F = MpmPointF(points, p), *half = &points->half_length[p * dim];
+  const PetscReal *F = MpmPointF(points, p), *half = &points->domain.half_length[p * dim];
   const PetscReal  J      = MpmDeterminant(dim * dim, F);
   Domain           domain = {.part = (PetscReal)part};
 
@@ -197,7 +197,7 @@ PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, c
   for (PetscInt p = 0; p < points->count; p++) {
     PetscReal reach[MPM_MAX_DIM];
 
-    Reach(dim, MpmPointF(points, p), &points->half_length[p * dim], reach);
+    Reach(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], reach);
     for (PetscInt a = 0; a < dim; a++) bins.reach[a] = PetscMax(bins.reach[a], reach[a]);
     bins.domain[p] = MakeDomain(dim, points, p, part ? part[p] : 0);
   }
@@ -210,7 +210,7 @@ PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, c
       PetscReal arm[MPM_MAX_DIM], area[MPM_MAX_DIM], probe[MPM_MAX_DIM];
 
       if (asked && !(asked[p] & MpmFaceBit(k / 2, k % 2))) continue;
-      MpmOuterFace(dim, MpmPointF(points, p), &points->half_length[p * dim], k / 2, k % 2, arm, area);
+      MpmOuterFace(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], k / 2, k % 2, arm, area);
       for (PetscInt a = 0; a < dim; a++) probe[a] = points->x[p * dim + a] + PROBE * arm[a];
       if (grid->axial && probe[0] < 0.) continue; /* on the axis of symmetry */
       if (!Covered(&bins, probe, part ? part[p] : 0)) faces[p] |= MpmFaceBit(k / 2, k % 2);
@@ -232,7 +232,7 @@ PetscErrorCode MpmOuterFacesUpdate(MpmParticles *particles, MpmGrid *grid)
   PetscCall(MpmParticlesDistribute(particles, grid, &outcome));
   MpmCheckInput(!outcome.code, "-mpm_bodies: %s", outcome.text);
   PetscCall(MpmParticlesGetArrays(particles, &points));
-  PetscCall(MpmOuterFacesFind(grid, &points, points.part, NULL, points.faces));
+  PetscCall(MpmOuterFacesFind(grid, &points, points.domain.part, NULL, points.domain.faces));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

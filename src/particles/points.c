@@ -59,9 +59,9 @@ PetscErrorCode MpmParticlesStartHere(MpmParticles *particles)
 PetscErrorCode MpmPointsStop(const MpmPoints *points, PetscInt dim)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(points->velocity, points->count * dim));
-  if (points->affine) PetscCall(PetscArrayzero(points->affine, points->count * dim * dim));
-  if (points->acceleration) PetscCall(PetscArrayzero(points->acceleration, points->count * dim));
+  PetscCall(PetscArrayzero(points->motion.velocity, points->count * dim));
+  if (points->motion.affine) PetscCall(PetscArrayzero(points->motion.affine, points->count * dim * dim));
+  if (points->motion.acceleration) PetscCall(PetscArrayzero(points->motion.acceleration, points->count * dim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -113,6 +113,6 @@ PetscReal MpmPointsKinetic(const MpmPoints *points, const MpmMaterial *materials
   PetscReal sum = 0.;
 
   for (PetscInt k = 0; k < points->count * dim; k++)
-    sum += 0.5 * MpmPointMass(points, materials, k / dim) * PetscSqr(points->velocity[k]);
+    sum += 0.5 * MpmPointMass(points, materials, k / dim) * PetscSqr(points->motion.velocity[k]);
   return sum;
 }

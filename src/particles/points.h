@@ -14,29 +14,35 @@ typedef struct MpmPoints {
   PetscInt   count;
   PetscInt   F_size; /* components of F, MpmKinematicsF() */
   PetscInt  *id, *material;
-  PetscReal *x, *x0;      /* position now and at the start, or where displacements began anew, m */
-  PetscReal *origin;      /* at the start, whatever began anew, m */
-  PetscReal *F;           /* dim x dim, row-major, and with axial symmetry the hoop component */
-  PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
-  PetscInt  *faces;       /* bits of those that bound the material (outer_faces.h); with boundaries only */
-  PetscInt *divisions; /* how often it has been divided across each axis, MPM_DIVISION_BITS each; where points may be */
-  PetscInt *part;      /* of the material; parts have nodes of their own. With more parts than one only */
-  PetscReal *cut; /* at the start: normal of the surface that cut the lattice of points there, and depth below it, m;
-                             or zeros. With more parts than one only */
+  PetscReal *x, *x0; /* position now and at the start, or where displacements began anew, m */
+  PetscReal *origin; /* at the start, whatever began anew, m */
+  PetscReal *F;      /* dim x dim, row-major, and with axial symmetry the hoop component */
+  struct {
+    PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
+    PetscInt  *faces;       /* bits of those that bound the material (outer_faces.h); with boundaries only */
+    PetscInt  *divisions;   /* how often it has been divided across each axis, MPM_DIVISION_BITS each; or NULL */
+    PetscInt  *part;        /* of the material; parts have nodes of their own. With more parts than one only */
+    PetscReal *cut; /* at the start: normal of the surface that cut the lattice of points there, and depth below it, m;
+                       or zeros. With more parts than one only */
+  } domain;
   PetscReal *volume0;
   PetscReal *mass;      /* kg; where a point's mass is not its density times volume0: initial stress, other materials */
   PetscReal *stress;    /* Cauchy, xx, yy, zz, xy (, yz, xz) */
   PetscReal *across;    /* part of stress_zz that F does not carry, Pa; plane strain with initial stresses only */
   PetscReal *state;     /* state_size values */
   PetscReal *parameter; /* of law and physics at the point, where any varies; at the reduction of strength in force */
-  PetscReal *own;       /* own_size values: states of the physics' own */
-  PetscReal *value;     /* of fields with a rate */
-  PetscReal *value_gradient; /* their derivatives by x */
-  PetscReal *velocity;       /* m/s; where a stage of the scene is dynamic */
-  PetscReal *affine;         /* affine velocity, dim x dim, as momentum.c has it */
-  PetscReal *acceleration;   /* m/s2; where a stage of the scene is dynamic */
-  PetscReal
-    *increment; /* of the last step's displacement, dim values, and its gradient by x, row-major; the one before */
+  struct {
+    PetscReal *own;            /* own_size values: states of the physics' own */
+    PetscReal *value;          /* of fields with a rate */
+    PetscReal *value_gradient; /* their derivatives by x */
+  } physics;
+  struct {
+    PetscReal *velocity;     /* m/s; where a stage of the scene is dynamic */
+    PetscReal *affine;       /* affine velocity, dim x dim, as momentum.c has it */
+    PetscReal *acceleration; /* m/s2; where a stage of the scene is dynamic */
+    PetscReal *increment;    /* of the last step's displacement, dim values, and its gradient by x, row-major; the one
+                                before */
+  } motion;
 } MpmPoints;
 
 /* F of point p, and its determinant. */
@@ -58,12 +64,14 @@ static inline PetscReal MpmPointExtent(const MpmPoints *points, PetscInt dim, Pe
 #define MPM_DIVISION_BITS 4
 static inline PetscInt MpmPointDivisions(const MpmPoints *points, PetscInt p, PetscInt axis)
 {
-  return points->divisions ? (points->divisions[p] >> (MPM_DIVISION_BITS * axis)) & ((1 << MPM_DIVISION_BITS) - 1) : 0;
+  return points->domain.divisions
+           ? (points->domain.divisions[p] >> (MPM_DIVISION_BITS * axis)) & ((1 << MPM_DIVISION_BITS) - 1)
+           : 0;
 }
 /* half_length of the point that it was before. */
 static inline PetscReal MpmPointHalfWhole(const MpmPoints *points, PetscInt dim, PetscInt p, PetscInt axis)
 {
-  return points->half_length[p * dim + axis] * (PetscReal)(1 << MpmPointDivisions(points, p, axis));
+  return points->domain.half_length[p * dim + axis] * (PetscReal)(1 << MpmPointDivisions(points, p, axis));
 }
 
 /*

@@ -96,8 +96,8 @@ static PetscErrorCode DistanceInCells(const MpmSelection *selection, const MpmGr
     PetscReal far = 0.;
 
     for (PetscInt a = 0; a < dim; a++) {
-      const PetscReal half = points->half_length
-                               ? points->half_length[p * dim + a]
+      const PetscReal half = points->domain.half_length
+                               ? points->domain.half_length[p * dim + a]
                                : 0.5 * PetscPowReal(MpmPointExtent(points, dim, p), 1. / (PetscReal)dim);
 
       far = PetscMax(far, (PetscAbsReal(points->x0[p * dim + a] - selection->at[a]) - half) / grid->h[a]);

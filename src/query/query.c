@@ -32,7 +32,7 @@ PetscBool MpmStagesKeepMass(const MpmModel model)
 
 PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
 {
-  const MpmLoadActing *acting = &model->state.loads[load];
+  const MpmLoadActing *acting = &model->state.acting.loads[load];
   const PetscInt       loads  = model->scene.loads->count;
   const MpmRamp ramp = load < loads ? model->scene.loads->at[load].ramp : model->scene.surfaces->at[load - loads].ramp;
 
@@ -44,7 +44,7 @@ PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time
 PetscReal MpmModelSurfacePressure(const MpmModel model, PetscInt surface, PetscReal time)
 {
   const MpmBodySurface *of     = &model->scene.surfaces->at[surface];
-  const MpmLoadActing  *acting = &model->state.loads[model->scene.loads->count + surface];
+  const MpmLoadActing  *acting = &model->state.acting.loads[model->scene.loads->count + surface];
 
   return of->ramped ? of->pressure * MpmRampEvaluate(of->ramp, time - acting->start) : of->pressure;
 }
@@ -94,7 +94,7 @@ PetscBool MpmReductionSeeks(const MpmModel model)
 PetscReal MpmReductionFactor(const MpmModel model, PetscReal time)
 {
   const MpmStage *stage = &model->scene.stages[model->state.stage];
-  const PetscReal along = time - model->state.time_start, left = 1. - along / model->state.dt_nominal;
+  const PetscReal along = time - model->state.period.start, left = 1. - along / model->state.dt.nominal;
   PetscReal       factor;
 
   if (!stage->reduction.ramp) return 1.;
@@ -130,8 +130,8 @@ void MpmStageEndHere(MpmModel model)
 {
   MpmState *state = &model->state;
 
-  state->run_end -= state->time_end - state->time;
-  state->time_end = state->relaxing.ended[state->stage] = state->time;
+  state->period.run_end -= state->period.end - state->time;
+  state->period.end = state->relaxing.ended[state->stage] = state->time;
 }
 
 PetscBool MpmStagesControlError(const MpmModel model)

@@ -9,15 +9,15 @@ static PetscErrorCode AddRows(MpmState *state)
 {
   const MpmRow rows[] = {
     {"time", MPM_ROW_REAL, MPM_ROW_STATE, &state->time, 0, 0},
-    {"step_last", MPM_ROW_REAL, MPM_ROW_STATE, &state->dt_last, 0, 0},
-    {"step_before_last", MPM_ROW_REAL, MPM_ROW_STATE, &state->dt_before, 0, 0},
+    {"step_last", MPM_ROW_REAL, MPM_ROW_STATE, &state->dt.last, 0, 0},
+    {"step_before_last", MPM_ROW_REAL, MPM_ROW_STATE, &state->dt.before, 0, 0},
     {"step", MPM_ROW_INT, MPM_ROW_RUN, &state->step, 0, 0},
-    {"rescue_cuts", MPM_ROW_INT, MPM_ROW_RUN, &state->cuts, 0, 0},
-    {"step_cuts", MPM_ROW_INT, MPM_ROW_RUN, &state->cuts_total, 0, 0},
-    {"step_length", MPM_ROW_REAL, MPM_ROW_RUN, &state->dt_nominal, 0, 0},
-    {"step_wanted", MPM_ROW_REAL, MPM_ROW_RUN, &state->dt_wanted, 0, 0},
+    {"rescue_cuts", MPM_ROW_INT, MPM_ROW_RUN, &state->cuts.step, 0, 0},
+    {"step_cuts", MPM_ROW_INT, MPM_ROW_RUN, &state->cuts.total, 0, 0},
+    {"step_length", MPM_ROW_REAL, MPM_ROW_RUN, &state->dt.nominal, 0, 0},
+    {"step_wanted", MPM_ROW_REAL, MPM_ROW_RUN, &state->dt.wanted, 0, 0},
     {"stage", MPM_ROW_INT, MPM_ROW_RUN, &state->stage, 0, 0},
-    {"stage_start", MPM_ROW_REAL, MPM_ROW_RUN, &state->time_start, 0, 0},
+    {"stage_start", MPM_ROW_REAL, MPM_ROW_RUN, &state->period.start, 0, 0},
     {"active_dofs_max", MPM_ROW_INT64, MPM_ROW_RUN, &state->active_dofs_max, 0, 0},
     {"reference_output", MPM_ROW_BOOL, MPM_ROW_RUN, &state->reference_output, 0, 0},
   };
@@ -41,9 +41,9 @@ PetscErrorCode MpmStateDestroy(MpmState *state)
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesDestroy(state->particles));
   PetscCall(PetscFree(state->particles));
-  PetscCall(PetscFree(state->bcs));
-  PetscCall(PetscFree(state->loads));
-  PetscCall(PetscFree(state->walls.at));
+  PetscCall(PetscFree(state->acting.bcs));
+  PetscCall(PetscFree(state->acting.loads));
+  PetscCall(PetscFree(state->acting.walls.at));
   PetscCall(PetscFree(state->placements));
   PetscCall(PetscFree(state->scheme.fading));
   PetscCall(PetscFree(state->relaxing.ended));

@@ -112,18 +112,26 @@ typedef struct {
   PetscInt  boiled; /* stages up to the last with a line on pressures below -100 kPa */
 } MpmWaterRun;
 
-/* How a step is taken, and how large its error in time is (sdirk.c, time_error.c). */
+/* Error in time of a step, relative (time_error.c). */
+typedef struct {
+  PetscReal accepted;            /* largest that is accepted; 0: any */
+  PetscReal estimate;            /* of the last step that has converged */
+  PetscReal refused, refused_dt; /* error of a step's last trial, where it was too large, and its length; or 0 */
+  PetscReal order;               /* the power of a step's length that the estimate goes with */
+  PetscReal trial;               /* `largest` if the step is accepted */
+  PetscReal largest;             /* reference of errors: the largest change since the stage's start */
+} MpmStepError;
+
+/* How a step is taken (sdirk.c), and its error in time. */
 typedef struct {
   const MpmIntegrator *integrator;
-  MpmDynamics         *dynamics;   /* velocities at the nodes; NULL before the first dynamic step */
-  MpmSdirk            *sdirk;      /* the first sub-step of `second`; NULL before its first step */
-  PetscReal            error;      /* largest that is accepted, relative; 0: any */
-  PetscReal            estimate;   /* of the last step that has converged */
-  PetscReal   refused, refused_dt; /* error of a step's last trial, where it was too large, and its length; or 0 */
-  PetscBool   met;                 /* contact has been near since the stage began, see dynamics.c */
-  PetscReal   load_at_start;       /* fraction of a step's loads that is its start's, by the generalised-alpha method */
-  PetscReal   behind;              /* s, how far the points' velocities are behind their places: explicit steps */
-  PetscBool   water_held;          /* the pressure of the water is not solved for: geostatic stages */
+  MpmDynamics         *dynamics; /* velocities at the nodes; NULL before the first dynamic step */
+  MpmSdirk            *sdirk;    /* the first sub-step of `second`; NULL before its first step */
+  MpmStepError         error;
+  PetscBool            met;  /* contact has been near since the stage began, see dynamics.c */
+  PetscReal   load_at_start; /* fraction of a step's loads that is its start's, by the generalised-alpha method */
+  PetscReal   behind;        /* s, how far the points' velocities are behind their places: explicit steps */
+  PetscBool   water_held;    /* the pressure of the water is not solved for: geostatic stages */
   MpmEnergy   energy;
   MpmSlide    slide;
   MpmFading  *fading;   /* per body: whether it is being taken away */
@@ -131,39 +139,49 @@ typedef struct {
   PetscBool   put_back; /* the points were restored after the last step, which kept their stress (geostatic.c) */
   MpmRescuing rescuing;
   MpmSettling settling;
-  PetscReal   order;   /* the power of a step's length that the estimate goes with */
-  PetscReal   trial;   /* `largest` if the step is accepted */
-  PetscReal   largest; /* reference of errors: the largest change since the stage's start */
   MpmWaterRun water;
   PetscReal   load_scale; /* fraction of its loads that a geostatic stage applies; otherwise 1 */
 } MpmScheme;
 
+/* Lengths of steps, s. */
+typedef struct {
+  PetscReal nominal, least, most;
+  PetscReal growth; /* of the next step over one that was easy */
+  PetscReal wanted; /* of the next step */
+  PetscReal last;   /* of the last step, 0 before the first */
+  PetscReal before; /* of the step before that; below 0: the next step brings a motion to rest, without a predictor */
+  PetscBool adaptive;
+} MpmStepLengths;
+
 /* Variables of a run: points, time, and control of steps. */
 typedef struct {
-  MpmRows      *rows; /* of the numbers that a checkpoint holds besides the points */
-  MpmScheme     scheme;
-  MpmParticles *particles;
-  PetscReal     time, time_end, dt_nominal, dt_min, dt_max, growth;
-  PetscReal     dt_wanted; /* of the next step */
-  PetscReal     dt_last;   /* s, of the last step, 0 before the first */
-  PetscReal
-    dt_before; /* s, of the step before that; below 0: the next step brings a motion to rest, without a predictor */
-  PetscBool      adaptive;
-  PetscBool      predict; /* start from the last step's increment */
-  PetscInt       step, cuts, cuts_total;
-  PetscInt       stage;      /* the one under way */
-  MpmActing     *bcs;        /* by the scene's lists: active in the stage under way; motions behind conditions */
-  MpmLoadActing *loads;      /* surfaces behind loads */
-  MpmWalls       walls;      /* walls of the grid */
-  PetscReal      time_start; /* of the stage under way; time_end is its end */
-  PetscReal      run_end;
-  PetscBool      reference_output; /* position0 goes into the next state that is written */
-  MpmRescue      rescue;
-  PetscInt64     active_dofs_max;
-  MpmSafety      safety;
-  MpmRelaxing    relaxing;
-  MpmGridMotion  grid;
-  MpmPlacement  *placements; /* by the scene's boundaries: how far those have come that move by themselves */
+  MpmRows       *rows; /* of the numbers that a checkpoint holds besides the points */
+  MpmScheme      scheme;
+  MpmParticles  *particles;
+  PetscReal      time;
+  MpmStepLengths dt;
+  struct {
+    PetscReal start, end; /* of the stage under way, s */
+    PetscReal run_end;
+  } period;
+  PetscBool predict; /* start from the last step's increment */
+  PetscInt  step;
+  struct {
+    PetscInt step, total; /* of the step under way, and of all */
+  } cuts;
+  PetscInt stage; /* the one under way */
+  struct {
+    MpmActing     *bcs;   /* by the scene's lists: active in the stage under way; motions behind conditions */
+    MpmLoadActing *loads; /* surfaces behind loads */
+    MpmWalls       walls; /* walls of the grid */
+  } acting;
+  PetscBool     reference_output; /* position0 goes into the next state that is written */
+  MpmRescue     rescue;
+  PetscInt64    active_dofs_max;
+  MpmSafety     safety;
+  MpmRelaxing   relaxing;
+  MpmGridMotion grid;
+  MpmPlacement *placements; /* by the scene's boundaries: how far those have come that move by themselves */
 } MpmState;
 
 /* The state at a time, in memory: the points of this rank and the rows of use MPM_ROW_STATE. */

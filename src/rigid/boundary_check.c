@@ -26,7 +26,7 @@ static PetscReal InitialShare(const MpmBoundary *boundary, const MpmPoints *poin
 
   MpmBoundaryDistance(boundary, &still, &points->origin[p * boundary->dim], &surface);
   *distance = surface.distance;
-  *reach    = Reach(boundary->dim, &points->half_length[p * boundary->dim], surface.normal);
+  *reach    = Reach(boundary->dim, &points->domain.half_length[p * boundary->dim], surface.normal);
   return PetscMin(1., PetscMax(0., *distance / *reach));
 }
 

@@ -390,7 +390,7 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
       PetscCall(PetscCalloc1((model->scene.bodies->count + 1), &stage->adds));
       for (PetscInt b = 0; b < model->scene.bodies->count; b++) stage->material[b] = -1;
     }
-    model->state.run_end += stage->time.end;
+    model->state.period.run_end += stage->time.end;
   }
   if (!MpmOptionsHelp()) PetscCall(CheckBodies(model));
   if (!MpmOptionsHelp()) PetscCall(CheckScheme(model));

@@ -16,7 +16,7 @@ static PetscErrorCode AddRows(MpmModel model)
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
-    MpmLoadActing *acting = &model->state.loads[model->scene.loads->count + k];
+    MpmLoadActing *acting = &model->state.acting.loads[model->scene.loads->count + k];
     const MpmRow   rows[] = {
         {"first", MPM_ROW_INT, MPM_ROW_RUN, &acting->first, 0, 0},
         {"end", MPM_ROW_INT, MPM_ROW_RUN, &acting->end, 0, 0},
@@ -37,7 +37,7 @@ PetscErrorCode MpmSurfacesRead(MpmModel model, const MpmOptions *options)
 
   PetscFunctionBeginUser;
   PetscCall(MpmBodySurfacesAddDrained(model->scene.boundaries, surfaces));
-  PetscCall(PetscCalloc1((model->scene.loads->count + surfaces->count), &model->state.loads));
+  PetscCall(PetscCalloc1((model->scene.loads->count + surfaces->count), &model->state.acting.loads));
   PetscCall(AddRows(model));
   for (PetscInt k = 0; k < surfaces->named; k++) {
     PetscReal tolerance[MPM_MAX_DIM];
@@ -53,7 +53,7 @@ PetscErrorCode MpmSurfacesRead(MpmModel model, const MpmOptions *options)
 void MpmSurfacesSetBodies(MpmModel model)
 {
   for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
-    MpmLoadActing *acting = &model->state.loads[model->scene.loads->count + k];
+    MpmLoadActing *acting = &model->state.acting.loads[model->scene.loads->count + k];
 
     const PetscInt body = model->scene.surfaces->at[k].body;
 
@@ -75,9 +75,9 @@ PetscErrorCode MpmSurfacesAdd(MpmModel model)
     kernel = found ? &model->scene.plain.kernels[model->scene.kinematics] : kernel;
   }
   PetscCall(MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces,
-                                         &model->state.loads[model->scene.loads->count], kernel));
+                                         &model->state.acting.loads[model->scene.loads->count], kernel));
   model->disc.context.surfaces->bcs        = model->scene.bcs;
-  model->disc.context.surfaces->bcs_acting = model->state.bcs;
+  model->disc.context.surfaces->bcs_acting = model->state.acting.bcs;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -93,8 +93,8 @@ PetscErrorCode MpmSurfacesTellHeld(MpmModel model)
     size_t length     = 0;
 
     if (!MpmBodySurfaceIsAll(&surfaces->at[k], model->disc.dim)) continue;
-    if (!model->state.loads[model->scene.loads->count + k].active) continue;
-    if (model->state.loads[model->scene.loads->count + k].start < model->state.time_start)
+    if (!model->state.acting.loads[model->scene.loads->count + k].active) continue;
+    if (model->state.acting.loads[model->scene.loads->count + k].start < model->state.period.start)
       continue; /* reported before */
     PetscCall(MpmSurfaceFacesFindHeld(model->disc.context.surfaces, model->disc.grid, model->state.particles, k, held));
     for (PetscInt b = 0; b < model->scene.bcs->count; b++) {

@@ -66,9 +66,9 @@ static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial 
                           points->across ? &points->across[p] : NULL);
   if (answer == 2) return 2;
   for (PetscInt k = 0; k < initial->material->state_size; k++) points->state[p * size + k] = state[k];
-  for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] *= U[a];
+  for (PetscInt a = 0; points->domain.half_length && a < dim; a++) points->domain.half_length[p * dim + a] *= U[a];
   if (model->scene.stretch(F, U)) return 2;
-  for (PetscInt a = 0; points->half_length && a < dim; a++) points->half_length[p * dim + a] /= U[a];
+  for (PetscInt a = 0; points->domain.half_length && a < dim; a++) points->domain.half_length[p * dim + a] /= U[a];
   points->volume0[p] *= J / MpmPointJ(points, p);
   return answer;
 }

@@ -101,7 +101,7 @@ static PetscErrorCode FindFaces(MpmModel model, PetscInt body, const MpmPoints *
     if (b == body || b >= model->scene.bodies->count || model->scene.stretch(MpmPointF(points, p), U)) continue;
     MpmBodyHalfLengths(model->scene.bodies->at[b], model->disc.grid, reach);
     for (PetscInt a = 0; a < dim; a++)
-      reach[a] = U[a] * (points->half_length ? points->half_length[p * dim + a] : reach[a]);
+      reach[a] = U[a] * (points->domain.half_length ? points->domain.half_length[p * dim + a] : reach[a]);
     if (!Cover(columns, dim, &points->x[p * dim], reach, first, end)) continue;
     for (PetscInt z = first[2]; z < end[2]; z++) {
       for (PetscInt y = first[1]; y < end[1]; y++) {
@@ -228,7 +228,7 @@ static PetscErrorCode Grow(MpmModel model, PetscInt body, MpmPoints *points, Col
     if (!n) {
       points->volume0[p] *= 1. + gap / s;
       if (points->mass) points->mass[p] *= 1. + gap / s;
-      if (points->half_length) points->half_length[p * dim + axis] += 0.5 * gap;
+      if (points->domain.half_length) points->domain.half_length[p * dim + axis] += 0.5 * gap;
       points->x[p * dim + axis] -= 0.5 * gap * (PetscReal)columns->up;
       points->x0[p * dim + axis] = points->origin[p * dim + axis] = points->x[p * dim + axis];
     }
@@ -260,8 +260,8 @@ static void Place(MpmModel model, PetscInt body, const Columns *columns, const P
     points->volume0[q]                                          = amount[2 * i] * height / s;
     if (points->mass) points->mass[p] = amount[2 * i + 1];
     if (points->mass) points->mass[q] = amount[2 * i + 1] * height / s;
-    if (points->half_length) points->half_length[q * dim + axis] = 0.5 * height;
-    for (PetscInt a = 0; points->cut && a <= dim; a++) points->cut[q * (dim + 1) + a] = 0.;
+    if (points->domain.half_length) points->domain.half_length[q * dim + axis] = 0.5 * height;
+    for (PetscInt a = 0; points->domain.cut && a <= dim; a++) points->domain.cut[q * (dim + 1) + a] = 0.;
   }
 }
 

@@ -37,9 +37,9 @@ static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *res
                          (rest->n * points->F_size), &rest->F));
   PetscCall(PetscMalloc4(rest->n, &rest->mass, (rest->n * rates), &rest->value, (rest->n * rates * dim),
                          &rest->value_gradient, (rest->n * own), &rest->own));
-  PetscCall(PetscArraycpy(rest->value, points->value, rest->n * rates));
-  PetscCall(PetscArraycpy(rest->value_gradient, points->value_gradient, rest->n * rates * dim));
-  PetscCall(PetscArraycpy(rest->own, points->own, rest->n * own));
+  PetscCall(PetscArraycpy(rest->value, points->physics.value, rest->n * rates));
+  PetscCall(PetscArraycpy(rest->value_gradient, points->physics.value_gradient, rest->n * rates * dim));
+  PetscCall(PetscArraycpy(rest->own, points->physics.own, rest->n * own));
   for (PetscInt p = 0; p < rest->n; p++)
     rest->mass[p] = MpmPointMassNow(points, model->scene.materials->at, model->disc.layout, p);
   PetscCall(PetscCalloc1(model->scene.materials->count, &rest->stateful));
@@ -55,7 +55,7 @@ static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *res
       const PetscReal x = points->x[p * dim + a];
 
       rest->x[p * dim + a]      = x;
-      rest->domain[p * dim + a] = points->half_length[p * dim + a] * U[a];
+      rest->domain[p * dim + a] = points->domain.half_length[p * dim + a] * U[a];
       reach[a]                  = PetscMax(reach[a], x + rest->domain[p * dim + a]);
       reach[MPM_MAX_DIM + a]    = PetscMax(reach[MPM_MAX_DIM + a], rest->domain[p * dim + a] - x);
     }
@@ -102,9 +102,10 @@ static PetscErrorCode SetWater(MpmModel model, const MpmRest *rest, PetscReal pa
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt k = 0; k < rest->n * rates; k++) points.value[k] = part * rest->value[k];
-  for (PetscInt k = 0; k < rest->n * rates * dim; k++) points.value_gradient[k] = part * rest->value_gradient[k];
-  PetscCall(PetscArraycpy(points.own, rest->own, rest->n * model->disc.layout->own.size));
+  for (PetscInt k = 0; k < rest->n * rates; k++) points.physics.value[k] = part * rest->value[k];
+  for (PetscInt k = 0; k < rest->n * rates * dim; k++)
+    points.physics.value_gradient[k] = part * rest->value_gradient[k];
+  PetscCall(PetscArraycpy(points.physics.own, rest->own, rest->n * model->disc.layout->own.size));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -137,7 +138,7 @@ static PetscErrorCode PutBack(MpmModel model, MpmRest *rest)
       PetscCheck(!model->scene.stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch",
                  points.id[p]);
       points.volume0[p] = rest->volume[p] / MpmPointJ(&points, p);
-      for (PetscInt a = 0; a < dim; a++) points.half_length[p * dim + a] = rest->domain[p * dim + a] / U[a];
+      for (PetscInt a = 0; a < dim; a++) points.domain.half_length[p * dim + a] = rest->domain[p * dim + a] / U[a];
     }
     for (PetscInt c = 0; rest->start && c < size; c++)
       largest[1] = PetscMax(largest[1], PetscAbsReal(stress[c] - rest->start[p * size + c]));
@@ -162,9 +163,9 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, Mpm
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(SetWater(model, rest, scale));
   model->state.scheme.load_scale = scale;
-  model->state.dt_last           = 0.;
+  model->state.dt.last           = 0.;
   PetscCall(
-    MpmStep(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE, outcome));
+    MpmStep(model, model->state.period.end, model->state.period.end - model->state.period.start, PETSC_FALSE, outcome));
   if (!outcome->code) {
     PetscCall(PutBack(model, rest));
     PetscCall(MpmTermsPutBack(model->disc.terms, rest->n, model->state.particles));
@@ -178,13 +179,13 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, Mpm
 /* After a failed step: halves the fraction of the loads, `again` where a smaller one is left to try. */
 static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, const char *why, PetscBool *again)
 {
-  const PetscReal duration = model->state.time_end - model->state.time_start;
+  const PetscReal duration = model->state.period.end - model->state.period.start;
 
   PetscFunctionBeginUser;
   *grow *= 0.5;
-  *again = (PetscBool)(part < 1. && *grow * duration >= model->state.dt_min);
-  model->state.cuts++;
-  model->state.cuts_total++;
+  *again = (PetscBool)(part < 1. && *grow * duration >= model->state.dt.least);
+  model->state.cuts.step++;
+  model->state.cuts.total++;
   if (*again) PetscCall(MpmMonitorNote(&model->monitor, "%s; the loads grow by parts of %.4g", why, (double)*grow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -243,14 +244,14 @@ static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *s
 {
   const MpmGeostatic *geostatic = &model->scene.stages[model->state.stage].geostatic;
   PetscReal           part      = geostatic->method == MPM_GEOSTATIC_K0 ? 1. : 0.; /* of the loads that act */
-  PetscReal           grow  = PetscMin(model->state.dt_nominal / (model->state.time_end - model->state.time_start), 1.);
-  PetscReal           first = 0., half = 0.;
-  PetscInt            newton = 0, linear = 0;
-  PetscBool           again;
+  PetscReal grow  = PetscMin(model->state.dt.nominal / (model->state.period.end - model->state.period.start), 1.);
+  PetscReal first = 0., half = 0.;
+  PetscInt  newton = 0, linear = 0;
+  PetscBool again;
 
   PetscFunctionBeginUser;
-  *solved           = 0;
-  model->state.cuts = 0;
+  *solved                = 0;
+  model->state.cuts.step = 0;
   while (!*solved || rest->moved > geostatic->tolerance * rest->height) {
     const PetscReal next = part + grow > 1. - 1e-9 ? 1. : part + grow;
 
@@ -329,7 +330,7 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, MpmOutcome *outcome)
   model->state.scheme.water_held = PETSC_FALSE;
   if (!outcome->code) {
     PetscCall(PrintRest(model, &rest, solved));
-    model->state.time = model->state.time_end;
+    model->state.time = model->state.period.end;
     model->state.step++;
   }
   PetscCall(RestDestroy(&rest));

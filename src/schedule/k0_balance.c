@@ -54,7 +54,7 @@ static MpmVertical FindVertical(MpmModel model)
 
     for (PetscInt l = 0; l < model->scene.loads->count; l++)
       if (model->scene.loads->at[l].type == MPM_LOAD_GRAVITY)
-        gravity += MpmModelLoadFactor(model, l, model->state.time_end) * model->scene.loads->at[l].value[a];
+        gravity += MpmModelLoadFactor(model, l, model->state.period.end) * model->scene.loads->at[l].value[a];
     if (gravity != 0.)
       vertical = (MpmVertical){.axis = a, .up = gravity < 0. ? 1 : -1, .gravity = PetscAbsReal(gravity)};
   }
@@ -72,7 +72,7 @@ static int SetStress(MpmModel model, const MpmInitial *initial, const MpmRest *r
 
   if (answer == 2 || model->scene.stretch(F, U)) return 2;
   for (PetscInt k = 0; k < own; k++) points->state[p * size + k] = state[k];
-  for (PetscInt a = 0; a < dim; a++) points->half_length[p * dim + a] = rest->domain[p * dim + a] / U[a];
+  for (PetscInt a = 0; a < dim; a++) points->domain.half_length[p * dim + a] = rest->domain[p * dim + a] / U[a];
   points->volume0[p] = rest->volume[p] / MpmPointJ(points, p);
   for (PetscInt c = 0; c < model->state.particles->stress_size; c++)
     points->stress[p * model->state.particles->stress_size + c] = stress[c];
@@ -160,7 +160,7 @@ static PetscErrorCode FindVerticalStress(MpmModel model, const MpmRest *rest, co
       if (table->there && MpmSurfacesOpen(model->scene.surfaces))
         pressure[p] +=
           table->weight * PetscMax(MpmWaterTableDepth(table, model->state.time, &points->x[p * dim]) - ground[p], 0.);
-      pressure[p] -= points->value[p * model->disc.layout->rate.count];
+      pressure[p] -= points->physics.value[p * model->disc.layout->rate.count];
     }
   }
   PetscCall(PetscFree2(ground, heavy.mass));
@@ -301,7 +301,7 @@ static PetscErrorCode ProblemCreate(Balance *balance)
                                    model->scene.pairs, model->state.placements,
                                    model->state.particles->stress_size + 1));
   PetscCall(MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces,
-                                         &model->state.loads[model->scene.loads->count],
+                                         &model->state.acting.loads[model->scene.loads->count],
                                          own->disc.context.surfaces->kernel));
   PetscCall(MpmSolverDuplicate(&own->solver, &model->disc, &model->monitor, &model->solver));
   model->solver.definite.may_be_lost = PETSC_FALSE;
@@ -417,8 +417,8 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
   }
   MpmModelExchange(model, &balance->problem);
   model->state.scheme.put_back = PETSC_FALSE;
-  PetscCall(MpmStepPrepare(model, model->state.time_end, model->state.time_end - model->state.time_start, PETSC_FALSE,
-                           &outcome));
+  PetscCall(MpmStepPrepare(model, model->state.period.end, model->state.period.end - model->state.period.start,
+                           PETSC_FALSE, &outcome));
   if (!outcome.code) {
     points                        = *model->disc.points;
     points.F                      = balance->F;

@@ -38,7 +38,7 @@ static PetscErrorCode AverageDilation(MpmModel model, const char *why, PetscReal
 
   PetscFunctionBeginUser;
   MpmStepAverageDilation(model, PETSC_TRUE);
-  model->state.dt_wanted = dt;
+  model->state.dt.wanted = dt;
   PetscCall(
     MpmMonitorChange(&model->monitor, MPM_CHANGE_DILATION, "%s; %s with -mpm_stabilization_fbar plain", why, how_long));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -51,9 +51,9 @@ static PetscErrorCode MindStruggle(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(SNESGetTolerances(model->solver.snes, NULL, NULL, NULL, &most, NULL));
-  if (!model->state.cuts || 2 * model->solver.iterations.newton <= most) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->state.cuts.step || 2 * model->solver.iterations.newton <= most) PetscFunctionReturn(PETSC_SUCCESS);
   if (AveragesOnce(model)) model->state.rescue.averaged++;
-  else PetscCall(AverageDilation(model, "a short step was hard, too", model->state.dt_wanted));
+  else PetscCall(AverageDilation(model, "a short step was hard, too", model->state.dt.wanted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -61,10 +61,10 @@ static PetscErrorCode MindStruggle(MpmModel model)
 static PetscErrorCode Cut(MpmModel model, const char *why, PetscReal dt)
 {
   PetscFunctionBeginUser;
-  model->state.dt_wanted = dt;
-  model->state.cuts++;
-  model->state.cuts_total++;
-  PetscCall(MpmMonitorNote(&model->monitor, "%s; the step is cut to %.4g", why, (double)model->state.dt_wanted));
+  model->state.dt.wanted = dt;
+  model->state.cuts.step++;
+  model->state.cuts.total++;
+  PetscCall(MpmMonitorNote(&model->monitor, "%s; the step is cut to %.4g", why, (double)model->state.dt.wanted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -108,7 +108,7 @@ static PetscBool HasTimeError(const MpmModel model, const MpmRemedies *remedies,
 {
   (void)remedies;
   (void)attempt;
-  return (PetscBool)(model->state.scheme.refused > 0.);
+  return (PetscBool)(model->state.scheme.error.refused > 0.);
 }
 
 static PetscErrorCode CutByError(MpmModel model, const Attempt *attempt, MpmRemedies *remedies, MpmOutcome *outcome)
@@ -124,7 +124,7 @@ static PetscBool NeedsSettling(const MpmModel model, const MpmRemedies *remedies
   (void)remedies;
   return (PetscBool)(attempt->brackets && MaySettle(model) && !model->state.scheme.settling.needed &&
                      !(model->state.safety.beyond > 0.) &&
-                     (!attempt->shorter || model->state.cuts >= CUTS_BEFORE_SETTLING));
+                     (!attempt->shorter || model->state.cuts.step >= CUTS_BEFORE_SETTLING));
 }
 
 static PetscErrorCode Settle(MpmModel model, const Attempt *attempt, MpmRemedies *remedies, MpmOutcome *outcome)
@@ -158,14 +158,14 @@ static PetscBool KeepsDilation(const MpmModel model, const MpmRemedies *remedies
   const PetscInt most = remedies->seeks ? CUTS_IN_REDUCTION : CUTS_WITH_DILATION;
 
   return (PetscBool)(model->state.rescue.dilation && !(attempt->brackets && MaySettle(model)) &&
-                     !(model->state.safety.beyond > 0.) && (!attempt->shorter || model->state.cuts >= most));
+                     !(model->state.safety.beyond > 0.) && (!attempt->shorter || model->state.cuts.step >= most));
 }
 
 static PetscErrorCode Average(MpmModel model, const Attempt *attempt, MpmRemedies *remedies, MpmOutcome *outcome)
 {
   PetscFunctionBeginUser;
   remedies->again = PETSC_FALSE;
-  PetscCall(AverageDilation(model, outcome->text, attempt->brackets ? attempt->dt : model->state.dt_nominal));
+  PetscCall(AverageDilation(model, outcome->text, attempt->brackets ? attempt->dt : model->state.dt.nominal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -192,8 +192,8 @@ static PetscErrorCode Close(MpmModel model, const Attempt *attempt, MpmRemedies 
   PetscFunctionBeginUser;
   remedies->again = PETSC_FALSE;
   PetscCall(MpmReductionClose(model, attempt->next, outcome));
-  remedies->over         = (PetscBool)(outcome->code || model->state.time >= model->state.time_end);
-  model->state.dt_wanted = model->state.dt_nominal;
+  remedies->over         = (PetscBool)(outcome->code || model->state.time >= model->state.period.end);
+  model->state.dt.wanted = model->state.dt.nominal;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -243,7 +243,7 @@ PetscErrorCode MpmRemediesTry(MpmModel model, PetscReal next, PetscReal dt, MpmR
   attempt.brackets = (PetscBool)(MpmReductionBrackets(model, next) && !MpmRescueServes(model));
   if (!HasTimeError(model, remedies, &attempt)) /* a bracket takes note of an attempt that failed */
     attempt.shorter =
-      attempt.brackets ? MpmReductionNarrows(model, next) : (PetscBool)(0.5 * dt >= model->state.dt_min);
+      attempt.brackets ? MpmReductionNarrows(model, next) : (PetscBool)(0.5 * dt >= model->state.dt.least);
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(table); k++) {
     if (!table[k].applies(model, remedies, &attempt)) continue;
     PetscCall(PetscInfo(model->solver.snes, "remedy: %s\n", table[k].name));

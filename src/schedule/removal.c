@@ -31,7 +31,7 @@ PetscBool MpmRemovalBegin(MpmModel model, const MpmStage *stage, PetscInt body)
   MpmFading *fading = &model->state.scheme.fading[body];
 
   if (!stage->removal || MpmRampEvaluate(stage->removal, 0.) == 1.) return PETSC_FALSE;
-  *fading = (MpmFading){.ramp = stage->removal, .start = model->state.time_start, .left = 1.};
+  *fading = (MpmFading){.ramp = stage->removal, .start = model->state.period.start, .left = 1.};
   return PETSC_TRUE;
 }
 

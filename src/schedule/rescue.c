@@ -61,7 +61,7 @@ PetscErrorCode MpmRescueBegin(MpmModel model, const char *why)
   PetscFunctionBeginUser;
   *rescuing             = (MpmRescuing){.on    = PETSC_TRUE,
                                         .start = model->state.time,
-                                        .end   = MpmNextTime(model, model->state.dt_nominal, &dt),
+                                        .end   = MpmNextTime(model, model->state.dt.nominal, &dt),
                                         .work  = model->state.scheme.energy.external,
                                         .first = before.first,
                                         .since = before.since,
@@ -83,9 +83,9 @@ PetscErrorCode MpmRescueNextTime(MpmModel model, PetscReal *time)
   PetscFunctionBeginUser;
   if (!(rescuing->ramp > 0.)) {
     PetscCall(CountCells(model, &rescuing->ramp));
-    rescuing->ramp *= RAMP * model->state.dt_wanted / motion->cfl;
+    rescuing->ramp *= RAMP * model->state.dt.wanted / motion->cfl;
   }
-  part  = (rescuing->clock + model->state.dt_wanted) / rescuing->ramp;
+  part  = (rescuing->clock + model->state.dt.wanted) / rescuing->ramp;
   *time = part < 1. ? rescuing->start + part * (rescuing->end - rescuing->start) : rescuing->end;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -112,8 +112,8 @@ static PetscErrorCode Finish(MpmModel model)
   MpmDynamicsSetStage(model);
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmParticlesRest(model->state.particles));
-  model->state.dt_wanted = model->state.dt_nominal;
-  model->state.dt_before = -1.;
+  model->state.dt.wanted = model->state.dt.nominal;
+  model->state.dt.before = -1.;
   model->state.step++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -11,7 +11,7 @@ PetscErrorCode MpmRescueAddRows(MpmModel model);
 PetscBool MpmRescueServes(const MpmModel model);
 /* Begins one, to the end of a whole step of the stage; `why`: reason of the step's failure. */
 PetscErrorCode MpmRescueBegin(MpmModel model, const char *why);
-/* The run's time after the next step of the motion, whose length is state.dt_wanted. */
+/* The run's time after the next step of the motion, whose length is state.dt.wanted. */
 PetscErrorCode MpmRescueNextTime(MpmModel model, PetscReal *time);
 /*
   After one of its steps. At rest: the quasi-static step of length `dt` is done, and the next one may begin; no longer

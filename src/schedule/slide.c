@@ -274,7 +274,7 @@ void MpmSlideObserve(MpmModel model)
 PetscBool MpmSlideSuspects(const MpmModel model)
 {
   return (PetscBool)(model->state.scheme.slide.seen.way > 0. &&
-                     model->state.time <= model->state.scheme.slide.end + model->state.dt_nominal);
+                     model->state.time <= model->state.scheme.slide.end + model->state.dt.nominal);
 }
 
 PetscErrorCode MpmSlideExplain(MpmModel model, MpmOutcome *outcome)

@@ -190,30 +190,30 @@ static PetscBool ActsOn(const MpmModel model, const MpmStage *stage, PetscInt su
 static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
 {
   PetscFunctionBeginUser;
-  model->state.walls.count = 0;
+  model->state.acting.walls.count = 0;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
-    MpmActing *bc = &model->state.bcs[b];
+    MpmActing *bc = &model->state.acting.bcs[b];
     PetscInt   walls;
 
-    if (stage->bcs[b] && !bc->active) bc->start = model->state.time_start;
+    if (stage->bcs[b] && !bc->active) bc->start = model->state.period.start;
     bc->active = stage->bcs[b];
     if (!bc->active) continue;
     PetscCall(MpmConditionGetWalls(&model->scene.bcs->at[b], model->disc.grid, MpmShapeDegree(model->scene.shape),
-                                   &walls, &model->state.walls.at[model->state.walls.count]));
-    model->state.walls.count += walls;
+                                   &walls, &model->state.acting.walls.at[model->state.acting.walls.count]));
+    model->state.acting.walls.count += walls;
   }
   for (PetscInt m = 0; m < model->scene.motions->count; m++) {
-    MpmActing *motion = &model->state.bcs[model->scene.bcs->count + m];
+    MpmActing *motion = &model->state.acting.bcs[model->scene.bcs->count + m];
 
-    if (stage->motions[m] && !motion->active) motion->start = model->state.time_start;
+    if (stage->motions[m] && !motion->active) motion->start = model->state.period.start;
     motion->active = stage->motions[m];
   }
   for (PetscInt l = 0; l < model->scene.loads->count + model->scene.surfaces->count; l++) {
-    MpmLoadActing  *load = &model->state.loads[l];
+    MpmLoadActing  *load = &model->state.acting.loads[l];
     const PetscBool acts =
       l < model->scene.loads->count ? stage->loads[l] : ActsOn(model, stage, l - model->scene.loads->count);
 
-    if (acts && !load->active) load->start = model->state.time_start;
+    if (acts && !load->active) load->start = model->state.period.start;
     load->active = acts;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -226,37 +226,37 @@ static void SetTime(MpmModel model, PetscInt k)
 
   model->state.stage             = k;
   model->state.scheme.load_scale = 1.;
-  model->state.time_start        = model->state.time;
-  model->state.time_end          = MpmTimeRound(model->state.time + control->end);
-  if (model->state.relaxing.ended[k] >= 0.) model->state.time_end = model->state.relaxing.ended[k];
-  model->state.dt_nominal = control->step;
-  model->state.dt_min     = control->step_min;
-  model->state.dt_max     = control->step_max;
-  model->state.growth     = control->growth;
-  model->state.adaptive   = control->adaptive;
+  model->state.period.start      = model->state.time;
+  model->state.period.end        = MpmTimeRound(model->state.time + control->end);
+  if (model->state.relaxing.ended[k] >= 0.) model->state.period.end = model->state.relaxing.ended[k];
+  model->state.dt.nominal  = control->step;
+  model->state.dt.least    = control->step_min;
+  model->state.dt.most     = control->step_max;
+  model->state.dt.growth   = control->growth;
+  model->state.dt.adaptive = control->adaptive;
 
-  model->state.scheme.integrator    = &MpmIntegratorQuasistatic;
-  model->state.scheme.error         = 0.;
-  model->state.scheme.load_at_start = 0.;
+  model->state.scheme.integrator     = &MpmIntegratorQuasistatic;
+  model->state.scheme.error.accepted = 0.;
+  model->state.scheme.load_at_start  = 0.;
   MpmDynamicsSetStage(model);
   if (model->scene.stages[k].geostatic.method != MPM_GEOSTATIC_NONE) return;
   if (control->motion.type == MPM_EXPLICIT) {
     model->state.scheme.integrator = &MpmIntegratorExplicit;
     if (!(control->step > 0.)) { /* each step is as long as it may be */
-      model->state.dt_nominal = model->state.dt_max = control->end;
-      model->state.adaptive                         = PETSC_TRUE;
+      model->state.dt.nominal = model->state.dt.most = control->end;
+      model->state.dt.adaptive                       = PETSC_TRUE;
     }
     return;
   }
-  model->state.scheme.error = control->error;
+  model->state.scheme.error.accepted = control->error;
   if (control->motion.type != MPM_QUASISTATIC) {
-    model->state.scheme.integrator = &MpmIntegratorImplicit;
-    model->state.scheme.order      = control->motion.type == MPM_BACKWARD_EULER ? 1. : 2.;
+    model->state.scheme.integrator  = &MpmIntegratorImplicit;
+    model->state.scheme.error.order = control->motion.type == MPM_BACKWARD_EULER ? 1. : 2.;
     return;
   }
   if (!control->second) return;
-  model->state.scheme.order      = 3.;
-  model->state.scheme.integrator = &MpmIntegratorSdirk;
+  model->state.scheme.error.order = 3.;
+  model->state.scheme.integrator  = &MpmIntegratorSdirk;
 }
 
 PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
@@ -269,8 +269,8 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   model->state.safety.start = factor;
   MpmSlideBegin(model);
   SetTime(model, k);
-  model->state.dt_wanted = model->state.dt_nominal;
-  model->state.dt_last = model->state.scheme.behind = 0.; /* nothing goes on as before */
+  model->state.dt.wanted = model->state.dt.nominal;
+  model->state.dt.last = model->state.scheme.behind = 0.; /* nothing goes on as before */
   PetscCall(MpmReductionApply(model, model->state.time));
   if (stage->name) {
     PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
@@ -285,7 +285,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
       PetscCall(MatSetNearNullSpace(model->solver.jacobian.assembled, NULL)); /* other unknowns may be constrained */
   }
   PetscCall(Activate(model, stage));
-  for (PetscInt b = 0; b < model->scene.bcs->count; b++) model->state.bcs[b].volume = 0.;
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++) model->state.acting.bcs[b].volume = 0.;
   PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
   PetscCall(MpmTimeErrorBegin(model));
   PetscCall(MpmDynamicsBegin(model));
@@ -302,7 +302,7 @@ PetscErrorCode MpmStageResume(MpmModel model)
   PetscFunctionBeginUser;
   model->state.time = 0.;
   for (PetscInt k = 0; k <= stage; k++) {
-    if (k) model->state.time = model->state.time_end;
+    if (k) model->state.time = model->state.period.end;
     SetTime(model, k);
     PetscCall(Activate(model, &model->scene.stages[k]));
     for (PetscInt b = 0; b < model->scene.bodies->count; b++) {

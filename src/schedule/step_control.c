@@ -28,22 +28,23 @@
 static PetscErrorCode LookAtError(MpmModel model, PetscReal dt, MpmOutcome *outcome)
 {
   MpmScheme      *scheme = &model->state.scheme;
-  const PetscReal before = scheme->refused, part = before > 0. ? dt / scheme->refused_dt : 1.;
+  const PetscReal before = scheme->error.refused, part = before > 0. ? dt / scheme->error.refused_dt : 1.;
   PetscBool       shorter;
 
   PetscFunctionBeginUser;
-  scheme->refused = 0.;
-  if (!(scheme->error > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(scheme->integrator->error(model, &scheme->estimate));
-  if (scheme->estimate <= scheme->error) PetscFunctionReturn(PETSC_SUCCESS);
-  shorter = (PetscBool)(MpmTimeErrorFactor(model) * dt >= model->state.dt_min);
-  if (shorter && !(before > 0. && scheme->estimate > PetscPowReal(part, STUBBORN) * before)) {
-    scheme->refused    = scheme->estimate;
-    scheme->refused_dt = dt;
-    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_REFUSED, "the error in time is %.2g", (double)scheme->estimate));
+  scheme->error.refused = 0.;
+  if (!(scheme->error.accepted > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(scheme->integrator->error(model, &scheme->error.estimate));
+  if (scheme->error.estimate <= scheme->error.accepted) PetscFunctionReturn(PETSC_SUCCESS);
+  shorter = (PetscBool)(MpmTimeErrorFactor(model) * dt >= model->state.dt.least);
+  if (shorter && !(before > 0. && scheme->error.estimate > PetscPowReal(part, STUBBORN) * before)) {
+    scheme->error.refused    = scheme->error.estimate;
+    scheme->error.refused_dt = dt;
+    PetscCall(
+      MpmOutcomeFail(outcome, MPM_OUTCOME_REFUSED, "the error in time is %.2g", (double)scheme->error.estimate));
   } else {
     PetscCall(MpmMonitorNote(&model->monitor, "the error in time is %.2g, and no less in shorter steps",
-                             (double)scheme->estimate));
+                             (double)scheme->error.estimate));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -56,7 +57,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
 
   PetscFunctionBeginUser;
   MpmOutcomeClear(outcome);
-  if (!again) model->state.scheme.refused = 0.;
+  if (!again) model->state.scheme.error.refused = 0.;
   PetscCall(MpmReductionApply(model, time));
   if (removes) PetscCall(MpmRemovalSet(model, time, outcome));
   if (!outcome->code) PetscCall(integrator->begin(model, time, dt, (PetscBool)(again && !removes), outcome));
@@ -68,7 +69,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
       PetscCall(LookAtError(model, dt, outcome));
       if (!outcome->code) PetscCall(MpmReductionLook(model, time, outcome));
       if (!outcome->code) PetscCall(MpmSlideLook(model, time, outcome));
-    } else model->state.scheme.refused = 0.;
+    } else model->state.scheme.error.refused = 0.;
     PetscCall((outcome->code ? integrator->roll_back : integrator->accept)(model));
   }
   if (outcome->code) PetscCall(MpmReductionApply(model, model->state.time));
@@ -111,7 +112,7 @@ static PetscErrorCode AdvanceRescue(MpmModel model, PetscReal *dt, MpmOutcome *o
   PetscCall(model->state.scheme.integrator->length(model, outcome));
   if (!outcome->code) {
     PetscCall(MpmRescueNextTime(model, &next));
-    PetscCall(MpmStep(model, next, model->state.dt_wanted, PETSC_FALSE, outcome));
+    PetscCall(MpmStep(model, next, model->state.dt.wanted, PETSC_FALSE, outcome));
   }
   if (outcome->code) {
     PetscCall(MpmOutcomeExplain(outcome, "the relaxation that goes on to time %.6g: %s",
@@ -153,13 +154,13 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmConsolidationBegin(model));
-  model->state.cuts = 0;
+  model->state.cuts.step = 0;
   if (MpmRescueServes(model)) MpmRelaxationForget(model);
   if (explicit) PetscCall(model->state.scheme.integrator->length(model, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   MpmRemediesBegin(model, &remedies);
   for (;;) {
-    next = MpmNextTime(model, model->state.dt_wanted, dt);
+    next = MpmNextTime(model, model->state.dt.wanted, dt);
     if (MpmReductionBrackets(model, next) && model->state.scheme.settling.needed) {
       PetscCall(MpmSettle(model, next, *dt, outcome));
       outcome->retryable = PETSC_TRUE;
@@ -177,6 +178,6 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
   if (explicit && MpmModelRelaxes(model)) PetscCall(MpmRelaxationOver(model, outcome));
   if (explicit) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmRemediesUndo(model, &remedies));
-  if (!(model->state.safety.failed > 0.)) model->state.dt_wanted = MpmNextLength(model, *dt, model->state.dt_wanted);
+  if (!(model->state.safety.failed > 0.)) model->state.dt.wanted = MpmNextLength(model, *dt, model->state.dt.wanted);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -24,15 +24,15 @@ PetscReal MpmTimeRound(PetscReal time)
 
 PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
 {
-  const PetscReal small  = 1e-9 * model->state.dt_nominal;
-  PetscReal       target = model->state.time_end, next;
+  const PetscReal small  = 1e-9 * model->state.dt.nominal;
+  PetscReal       target = model->state.period.end, next;
 
-  if (!model->state.adaptive) {
+  if (!model->state.dt.adaptive) {
     target = MpmTimeRound(
-      model->state.time_start +
-      model->state.dt_nominal *
-        PetscFloorReal((model->state.time - model->state.time_start + small) / model->state.dt_nominal + 1.));
-    if (target > model->state.time_end - small) target = model->state.time_end;
+      model->state.period.start +
+      model->state.dt.nominal *
+        PetscFloorReal((model->state.time - model->state.period.start + small) / model->state.dt.nominal + 1.));
+    if (target > model->state.period.end - small) target = model->state.period.end;
   }
   next  = MpmTimeRound(model->state.time + dt);
   next  = next > target - PetscMax(small, 1e-3 * dt) ? target : next;
@@ -44,12 +44,12 @@ PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
 
 PetscReal MpmNextLength(MpmModel model, PetscReal dt, PetscReal wanted)
 {
-  if (!model->state.adaptive) return PetscMin(wanted * model->state.growth, model->state.dt_nominal);
+  if (!model->state.dt.adaptive) return PetscMin(wanted * model->state.dt.growth, model->state.dt.nominal);
   if (dt < 0.99 * wanted) return wanted; /* the end of the run cut it short */
   if (model->solver.iterations.newton <= EASY) {
-    const PetscReal factor = PetscMin(model->state.growth, MpmTimeErrorFactor(model));
+    const PetscReal factor = PetscMin(model->state.dt.growth, MpmTimeErrorFactor(model));
 
-    return PetscMax(PetscMin(MpmTimeErrorLength(model, wanted * factor), model->state.dt_max), model->state.dt_min);
+    return PetscMax(PetscMin(MpmTimeErrorLength(model, wanted * factor), model->state.dt.most), model->state.dt.least);
   }
   return wanted;
 }

@@ -253,7 +253,7 @@ static PetscErrorCode FindTops(MpmModel model, const MpmPoints *points, PetscRea
 
     PetscCheck(!model->scene.stretch(MpmPointF(points, p), U), PETSC_COMM_SELF, PETSC_ERR_FP,
                "point %" PetscInt_FMT " has no stretch", points->id[p]);
-    half     = points->half_length[p * dim + axis] * U[axis];
+    half     = points->domain.half_length[p * dim + axis] * U[axis];
     reach[0] = PetscMax(reach[0], y + half);
     reach[1] = PetscMax(reach[1], half - y);
     MpmGridFindCell(model->disc.grid, &points->x[p * dim], cell);
@@ -373,7 +373,7 @@ PetscErrorCode MpmReductionBegin(MpmModel model)
   PetscCall(EachAxis(model, &points, NULL, NULL));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   model->state.safety.moved   = 0.;
-  model->state.safety.reduced = MpmReductionFactor(model, model->state.time_start);
+  model->state.safety.reduced = MpmReductionFactor(model, model->state.period.start);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

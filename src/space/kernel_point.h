@@ -28,8 +28,8 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->physics_parameter  = MpmMaterialPhysicsValues(material, own);
   point->state_n            = points->state ? &points->state[p * sum->kept.state] : NULL;
   point->F_n                = MpmPointF(points, p);
-  point->own_n              = points->own ? &points->own[p * sum->kept.own] : NULL;
-  point->value_n            = points->value ? &points->value[p * sum->layout->rate.count] : NULL;
+  point->own_n              = points->physics.own ? &points->physics.own[p * sum->kept.own] : NULL;
+  point->value_n            = points->physics.value ? &points->physics.value[p * sum->layout->rate.count] : NULL;
   point->deviation_n        = sum->deviation_n ? &sum->deviation_n[p * sum->layout->deviation.count] : NULL;
   point->gravity            = MpmSumGravity(sum, p);
   point->cell               = sum->cell;

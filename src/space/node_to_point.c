@@ -82,9 +82,9 @@ static void KeepValues(const MpmSum *sum, const MpmGroup *group, PetscInt p, con
   for (PetscInt r = 0; r < rates; r++) {
     const PetscInt    c  = layout->rate.component[r];
     PetscReal *const *by = &work->basis.basis[layout->component[c].shape * MPM_BASES + 1];
-    PetscReal         G[MPM_MAX_DIM], *gradient = &sum->points->value_gradient[(p * rates + r) * dim];
+    PetscReal         G[MPM_MAX_DIM], *gradient = &sum->points->physics.value_gradient[(p * rates + r) * dim];
 
-    sum->points->value[p * rates + r] = field[c];
+    sum->points->physics.value[p * rates + r] = field[c];
     for (PetscInt j = 0; j < dim; j++) {
       G[j] = 0.;
       for (PetscInt k = 0; k < n; k++) G[j] += by[j][k] * values[c * n + k];
@@ -110,17 +110,17 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
 
     MpmSpaceFetch(known, sum->space, ahead);
     MpmFetch(points->x, ahead, dim);
-    if (points->increment) {
-      MpmFetch(points->increment, ahead, MPM_INCREMENT(dim));
+    if (points->motion.increment) {
+      MpmFetch(points->motion.increment, ahead, MPM_INCREMENT(dim));
       MpmFetch(points->F, ahead, points->F_size);
       MpmFetch(sum->trial->F, ahead, points->F_size);
     }
     Interpolate(known, sum, p, values, field);
     for (PetscInt a = 0; a < dim; a++) points->x[p * dim + a] += field[a];
-    if (!known.solid && points->value) KeepValues(sum, group, p, field, values, work);
-    if (points->increment)
+    if (!known.solid && points->physics.value) KeepValues(sum, group, p, field, values, work);
+    if (points->motion.increment)
       KeepIncrement(dim, field, MpmPointF(points, p), &sum->trial->F[p * points->F_size],
-                    &points->increment[p * MPM_INCREMENT(dim)]);
+                    &points->motion.increment[p * MPM_INCREMENT(dim)]);
   }
   return PETSC_SUCCESS;
 }
@@ -147,7 +147,7 @@ static PetscErrorCode KeepTrial(const MpmSum *sum)
   PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * points->F_size));
   PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * MpmSymSize(dim)));
   AddAcross(sum);
-  PetscCall(PetscArraycpy(points->own, sum->trial->own, points->count * sum->kept.own));
+  PetscCall(PetscArraycpy(points->physics.own, sum->trial->own, points->count * sum->kept.own));
   for (PetscInt p = 0; sum->kept.state && p < points->count; p++)
     PetscCall(PetscArraycpy(&points->state[p * sum->kept.state], &sum->trial->state[p * sum->kept.state],
                             sum->materials[points->material[p]].state_size));

@@ -76,7 +76,7 @@ MPM_INLINE PetscErrorCode MakeKeys(const PetscInt dim, const MpmSpace *space, co
 {
   const PetscInt  n = space->point_count, width = space->width;
   const PetscBool many               = (PetscBool)(space->shapes.count > 1);
-  const PetscInt *part               = space->parts.stride ? points->part : NULL;
+  const PetscInt *part               = space->parts.stride ? points->domain.part : NULL;
   PetscInt        lower[MPM_MAX_DIM] = {PETSC_INT_MAX, PETSC_INT_MAX, PETSC_INT_MAX}, upper[MPM_MAX_DIM] = {0, 0, 0};
 
   PetscFunctionBeginUser;
@@ -140,7 +140,7 @@ static PetscErrorCode MakeGroups(MpmSpace *space, const MpmRules *rules, const M
         group->count[a] = a < dim ? boxes->count[space->order[i] * dim + a] : 1;
         group->node_count *= group->count[a];
       }
-      group->part = space->parts.stride ? points->part[space->order[i]] : 0;
+      group->part = space->parts.stride ? points->domain.part[space->order[i]] : 0;
       group->first[dim - 1] += space->parts.stride * group->part;
       group->point_begin = i;
       group->cell        = cell += !i || !SAME(cell_key, i);

@@ -69,7 +69,7 @@ PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, Pe
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
 
-    half[a] = Clipped(rules, points->half_length[p * dim + a] * U[a] / grid->h[a], xi, lower[a], upper[a]);
+    half[a] = Clipped(rules, points->domain.half_length[p * dim + a] * U[a] / grid->h[a], xi, lower[a], upper[a]);
   }
   return good;
 }
@@ -125,7 +125,7 @@ static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscRea
   for (PetscInt k = 0; k < NUMBERS; k++) most[k] = 0.;
   for (PetscInt from = 0; from < points->count; from += BLOCK) {
     const PetscInt   count  = BlockPlace(rules, points, from, &block);
-    const PetscReal *length = &points->half_length[from * dim], *F = MpmPointF(points, from);
+    const PetscReal *length = &points->domain.half_length[from * dim], *F = MpmPointF(points, from);
     PetscReal       *to = &half[from * dim];
 
     for (PetscInt k = 0; k < count * dim; k++) U[k] = 1.;

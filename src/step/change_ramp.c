@@ -69,7 +69,7 @@ PetscErrorCode MpmChangeAdd(MpmModel model, PetscReal time, PetscReal force[])
 
   PetscFunctionBeginUser;
   if (!stage->change) PetscFunctionReturn(PETSC_SUCCESS);
-  left = 1. - MpmRampEvaluate(stage->change, time - model->state.time_start);
+  left = 1. - MpmRampEvaluate(stage->change, time - model->state.period.start);
   if (!(left > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmChangeGet(model, field));
   PetscCall(MpmLoadApplyPoints(model->disc.sum, left, field[0], (const PetscReal *const *)&field[1], force));

@@ -16,7 +16,7 @@
   accept     the trial becomes the state
   roll_back
   error      estimate of the step's error in time; NULL where there is none
-  length     before `begin`: the longest step allowed, into state.dt_wanted; `outcome`: whether there is such a step.
+  length     before `begin`: the longest step allowed, into state.dt.wanted; `outcome`: whether there is such a step.
              NULL: the step control chooses, and cuts failing steps
   finish     after a stage's last step, with the points in their places; NULL: nothing is left to do
 */

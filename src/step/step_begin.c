@@ -40,7 +40,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
                .shape          = model->scene.shape,
                .edge           = model->scene.edge,
                .layout         = model->disc.layout,
-               .walls          = {model->state.walls.count, model->state.walls.at},
+               .walls          = {model->state.acting.walls.count, model->state.acting.walls.at},
                .stretch        = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
                .longest        = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
                .parts          = model->disc.material.parts,
@@ -105,7 +105,7 @@ MpmPrescription MpmStepPrescription(MpmModel model, PetscReal time)
 {
   return (MpmPrescription){.conditions = model->scene.bcs,
                            .motions    = model->scene.motions,
-                           .acting     = model->state.bcs,
+                           .acting     = model->state.acting.bcs,
                            .particles  = model->state.particles,
                            .time_n     = model->state.time,
                            .time       = time,
@@ -134,7 +134,8 @@ PetscErrorCode MpmModelPrescribe(MpmModel model, PetscReal time, MpmOutcome *out
 static PetscBool AnyMoves(const MpmModel model)
 {
   for (PetscInt b = 0; b < model->scene.bcs->count; b++)
-    if (model->state.bcs[b].active && MpmConditionMoves(&model->scene.bcs->at[b], model->disc.dim)) return PETSC_TRUE;
+    if (model->state.acting.bcs[b].active && MpmConditionMoves(&model->scene.bcs->at[b], model->disc.dim))
+      return PETSC_TRUE;
   return (PetscBool)(model->scene.motions->count > 0);
 }
 
@@ -168,7 +169,7 @@ static PetscErrorCode FindLostMaterial(MpmModel model, PetscReal time, MpmOutcom
   PetscReal             left;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmConditionsFindLost(&step, model->state.bcs, model->scene.bodies, model->disc.sum, &lost, &left));
+  PetscCall(MpmConditionsFindLost(&step, model->state.acting.bcs, model->scene.bodies, model->disc.sum, &lost, &left));
   if (lost < 0) PetscFunctionReturn(PETSC_SUCCESS);
   if (left > 0.)
     PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,

@@ -75,7 +75,7 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   PetscFunctionBeginUser;
   model->solver.iterations.newton = model->solver.iterations.linear = 0;
   PetscCall(TryAll(model, reason));
-  if (*reason >= 0 || !model->state.cuts || !slides) PetscFunctionReturn(PETSC_SUCCESS);
+  if (*reason >= 0 || !model->state.cuts.step || !slides) PetscFunctionReturn(PETSC_SUCCESS);
   MpmTermsSoften(model->disc.terms, GIVE);
   model->solver.cache.predicted = PETSC_FALSE;
   PetscCall(MpmStepStart(model, PETSC_FALSE));
@@ -102,7 +102,7 @@ PetscErrorCode MpmStepPredict(MpmModel model)
 
   PetscFunctionBeginUser;
   model->solver.cache.reference = 0.;
-  model->solver.cache.predicted = (PetscBool)(model->state.predict && model->state.dt_last > 0.);
+  model->solver.cache.predicted = (PetscBool)(model->state.predict && model->state.dt.last > 0.);
   if (!model->solver.cache.predicted && !MpmSolverHasContact(&model->solver)) {
     PetscCall(MpmSolverStartLinear(&model->solver, model->solver.x, &model->solver.cache.predicted));
     PetscFunctionReturn(PETSC_SUCCESS);

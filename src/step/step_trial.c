@@ -47,8 +47,12 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
   if (!rates) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((owned * rates), &nodal));
   for (PetscInt s = 0; s < layout->shape_count; s++) {
-    const MpmPointValues values = {
-      s, rates, rates, model->disc.points->value, model->disc.points->value_gradient, rates * model->disc.dim};
+    const MpmPointValues values = {s,
+                                   rates,
+                                   rates,
+                                   model->disc.points->physics.value,
+                                   model->disc.points->physics.value_gradient,
+                                   rates * model->disc.dim};
 
     PetscCall(MpmProjectToNodes(model->disc.sum, &values, nodal));
     for (PetscInt k = 0; k < owned * rates; k++) {
@@ -75,16 +79,16 @@ static PetscErrorCode ProjectRates(MpmModel model, PetscReal u[])
 static PetscErrorCode Predict(MpmModel model, PetscReal u[])
 {
   const PetscInt  dim = model->disc.dim, bs = model->disc.block, size = dim * (dim + 1);
-  const PetscBool smooth = (PetscBool)(model->state.dt_before > 0. && !MpmSolverHasContact(&model->solver));
-  const PetscReal change = smooth ? PREDICTED_CHANGE * model->disc.sum->span / model->state.dt_last : 0.;
-  const PetscReal last   = (1. + change) * model->disc.sum->span / model->state.dt_last;
-  const PetscReal before = change > 0. ? change * model->disc.sum->span / model->state.dt_before : 0.;
+  const PetscBool smooth = (PetscBool)(model->state.dt.before > 0. && !MpmSolverHasContact(&model->solver));
+  const PetscReal change = smooth ? PREDICTED_CHANGE * model->disc.sum->span / model->state.dt.last : 0.;
+  const PetscReal last   = (1. + change) * model->disc.sum->span / model->state.dt.last;
+  const PetscReal before = change > 0. ? change * model->disc.sum->span / model->state.dt.before : 0.;
   PetscReal      *nodal, *expected;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc2((model->disc.space->owned * dim), &nodal, (model->disc.points->count * size), &expected));
   for (PetscInt p = 0; p < model->disc.points->count; p++) {
-    const PetscReal *increment = &model->disc.points->increment[p * MPM_INCREMENT(dim)];
+    const PetscReal *increment = &model->disc.points->motion.increment[p * MPM_INCREMENT(dim)];
 
     for (PetscInt k = 0; k < size; k++) expected[p * size + k] = last * increment[k] - before * increment[size + k];
   }
@@ -104,7 +108,7 @@ PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict)
   PetscCall(VecGetArray(model->solver.x, &x));
   PetscCall(ProjectRates(model, x));
   if (predict) PetscCall(Predict(model, x));
-  MpmTermsGuess(model->disc.terms, model->disc.sum, predict ? model->disc.sum->span / model->state.dt_last : 0., x);
+  MpmTermsGuess(model->disc.terms, model->disc.sum, predict ? model->disc.sum->span / model->state.dt.last : 0., x);
   MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.space->owned, x);
   MpmUnitsOver(model->disc.constraints, n, x);
   MpmConstraintsPrescribe(model->disc.constraints, n, x);

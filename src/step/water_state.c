@@ -207,14 +207,15 @@ PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end)
   PetscCall(PetscMalloc1(points.count, &body));
   MpmBodiesOfPoints(model->scene.bodies->count, model->scene.bodies->at, &points, body);
   for (PetscInt p = 0; p < points.count; p++) {
-    const PetscReal *half     = points.half_length ? &points.half_length[p * dim] : NULL;
-    PetscReal       *gradient = &points.value_gradient[p * rates * dim];
+    const PetscReal *half     = points.domain.half_length ? &points.domain.half_length[p * dim] : NULL;
+    PetscReal       *gradient = &points.physics.value_gradient[p * rates * dim];
 
     if (points.id[p] < first || points.id[p] >= end) continue;
     if (MpmBodyFilePressure(model->scene.bodies->at[body[p]], pressure)) continue; /* its own */
-    points.value[p * rates] = MpmBodyPressure(model->scene.bodies->at[body[p]]);
+    points.physics.value[p * rates] = MpmBodyPressure(model->scene.bodies->at[body[p]]);
     for (PetscInt a = 0; a < dim; a++) gradient[a] = 0.;
-    if (still.table->there) points.value[p * rates] += AtPoint(&still, model, &points.x[p * dim], half, gradient);
+    if (still.table->there)
+      points.physics.value[p * rates] += AtPoint(&still, model, &points.x[p * dim], half, gradient);
   }
   PetscCall(PetscFree(body));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
@@ -250,8 +251,8 @@ static PetscErrorCode Project(MpmModel model, PetscInt c, PetscReal nodal[])
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc2(count, &value, (count * dim), &gradient));
-  PetscCall(PetscArraycpy(value, model->disc.points->value, count));
-  PetscCall(PetscArraycpy(gradient, model->disc.points->value_gradient, count * dim));
+  PetscCall(PetscArraycpy(value, model->disc.points->physics.value, count));
+  PetscCall(PetscArraycpy(gradient, model->disc.points->physics.value_gradient, count * dim));
   PetscCall(SubtractStill(model, part, value, gradient));
   values.value    = value;
   values.gradient = gradient;
@@ -354,12 +355,12 @@ static PetscErrorCode SumLevels(MpmModel model, PetscInt axis, PetscReal up, Pet
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
     const PetscReal ratio = MpmPointVolumeRatio(&model->scene.materials->at[points.material[p]], MpmPointF(&points, p));
-    const PetscReal rise  = -up * points.value_gradient[p * rates * dim + axis] - weight;
+    const PetscReal rise  = -up * points.physics.value_gradient[p * rates * dim + axis] - weight;
     PetscInt        cell[MPM_MAX_DIM];
 
     MpmGridFindCell(model->disc.grid, &points.x[p * dim], cell);
     volume[cell[axis]] += points.volume0[p] * ratio;
-    if (HasParted(size, &points.stress[p * size], points.value[p * rates], rise, ratio))
+    if (HasParted(size, &points.stress[p * size], points.physics.value[p * rates], rise, ratio))
       volume[levels + cell[axis]] += points.volume0[p] * ratio;
   }
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
@@ -438,8 +439,8 @@ PetscErrorCode MpmWaterFindTension(MpmModel model, char text[MPM_WATER_TEXT])
   if (model->state.scheme.water.boiled > model->state.stage) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
-    if (points.value[p * rates] >= least[0]) continue;
-    least[0] = points.value[p * rates];
+    if (points.physics.value[p * rates] >= least[0]) continue;
+    least[0] = points.physics.value[p * rates];
     for (PetscInt a = 0; a < dim; a++) least[1 + a] = points.x[p * dim + a];
   }
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
@@ -484,8 +485,8 @@ PetscErrorCode MpmWaterFindClosed(MpmModel model, MpmOutcome *outcome)
   if (!FindPorosity(model, &first)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
-    if (points.own[p * size + first] >= least[0]) continue;
-    least[0] = points.own[p * size + first];
+    if (points.physics.own[p * size + first] >= least[0]) continue;
+    least[0] = points.physics.own[p * size + first];
     for (PetscInt a = 0; a < dim; a++) least[1 + a] = points.x[p * dim + a];
   }
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));

@@ -12,7 +12,7 @@ MPM_INLINE void MpmPointAffine(const MpmKnown known, const MpmSum *sum, const Mp
                                const PetscReal second[], PetscReal C[])
 {
   const PetscInt   dim = known.dim;
-  const PetscReal *B   = &sum->points->affine[p * dim * dim];
+  const PetscReal *B   = &sum->points->motion.affine[p * dim * dim];
 
   for (PetscInt b = 0; b < dim; b++) {
     const PetscReal h2 = PetscSqr(sum->grid->h[b]);
@@ -30,7 +30,7 @@ MPM_INLINE void MpmCarryMomentum(const MpmKnown known, const MpmSum *sum, const 
   const PetscReal mass = MpmPointMass(sum->points, sum->materials, p);
   PetscReal       C[MPM_MAX_DIM * MPM_MAX_DIM];
 
-  of->momentum      = MpmSlimLoad(dim, &sum->points->velocity[p * dim]) * mass;
+  of->momentum      = MpmSlimLoad(dim, &sum->points->motion.velocity[p * dim]) * mass;
   of->momentum[dim] = mass;
   for (PetscInt b = 0; b < dim; b++) of->slope[b] = (Slim){0.};
   if (transfer->type != MPM_TRANSFER_APIC) return;
@@ -47,8 +47,8 @@ MPM_INLINE PetscInt MpmStencilNext(const MpmKnown known, const MpmSum *sum, cons
 
   MpmSpaceFetch(known, sum->space, ahead);
   MpmFetch(sum->points->x, ahead, dim);
-  MpmFetch(sum->points->velocity, ahead, dim);
-  if (transfer->type == MPM_TRANSFER_APIC) MpmFetch(sum->points->affine, ahead, dim * dim);
+  MpmFetch(sum->points->motion.velocity, ahead, dim);
+  if (transfer->type == MPM_TRANSFER_APIC) MpmFetch(sum->points->motion.affine, ahead, dim * dim);
   MpmStencilPlace(known, sum, first, p, at);
   return p;
 }

@@ -38,7 +38,7 @@ MPM_INLINE PetscErrorCode SumGroup(const MpmKnown known, const MpmSum *sum, cons
   MpmSpaceGroupAt(sum->space, group, first);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt  p    = sum->space->order[s];
-    const PetscReal mass = MpmPointMass(points, sum->materials, p), *v = &points->velocity[p * dim];
+    const PetscReal mass = MpmPointMass(points, sum->materials, p), *v = &points->motion.velocity[p * dim];
     PetscReal       C[MPM_MAX_DIM * MPM_MAX_DIM], B[MPM_MAX_DIM * MPM_MAX_DIM];
     PetscReal       square = 0.; /* of the velocity, over the point */
     MpmStencil      at;

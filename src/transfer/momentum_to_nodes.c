@@ -62,9 +62,9 @@ MPM_INLINE PetscErrorCode MotionToNodes(const MpmKnown known, const MpmSum *sum,
 
     MpmSumFetch(known, sum, s);
     MpmFetch(sum->points->x, ahead, known.dim);
-    MpmFetch(sum->points->velocity, ahead, known.dim);
+    MpmFetch(sum->points->motion.velocity, ahead, known.dim);
     MpmFetch(sum->points->stress, ahead, MpmSymSize(known.dim));
-    if (transfer->type == MPM_TRANSFER_APIC) MpmFetch(sum->points->affine, ahead, known.dim * known.dim);
+    if (transfer->type == MPM_TRANSFER_APIC) MpmFetch(sum->points->motion.affine, ahead, known.dim * known.dim);
     MpmStencilPlace(known, sum, first, p, &at);
     MpmCarryMomentum(known, sum, transfer, p, &at, &of);
     PointStress(known, sum, p, of.P);
@@ -117,8 +117,8 @@ MPM_INLINE PetscErrorCode ToNodes(const MpmKnown known, const MpmSum *sum, const
     MpmCarriedAdd(known, sum, p, &at, &of, nodes, moving);
     if (accelerated)
       MpmSlimAdd(known, sum, p,
-                 MpmSlimLoad(dim, &points->acceleration[p * dim]) * MpmPointMass(points, sum->materials, p), nodes,
-                 accelerated);
+                 MpmSlimLoad(dim, &points->motion.acceleration[p * dim]) * MpmPointMass(points, sum->materials, p),
+                 nodes, accelerated);
   }
   return PETSC_SUCCESS;
 }

@@ -22,13 +22,13 @@ MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, PetscInt p, c
   if (apic) {
     moves = MpmSlimInterpolate(known, sum, p, at, nodes, of->v_new, by);
     if (of->affine && (at->thin || !step->thin)) (void)MpmSlimInterpolate(known, sum, p, at, nodes, of->affine, by);
-    for (PetscInt k = 0; k < dim * dim; k++) points->affine[p * dim * dim + k] = by[k % dim][k / dim];
-    for (PetscInt c = 0; c < dim; c++) points->velocity[p * dim + c] = moves[c];
+    for (PetscInt k = 0; k < dim * dim; k++) points->motion.affine[p * dim * dim + k] = by[k % dim][k / dim];
+    for (PetscInt c = 0; c < dim; c++) points->motion.velocity[p * dim + c] = moves[c];
   } else {
     moves  = MpmSlimInterpolate(known, sum, p, at, nodes, of->v_new, NULL);
     change = MpmSlimInterpolate(known, sum, p, at, nodes, of->change, NULL);
     for (PetscInt c = 0; c < dim; c++) {
-      PetscReal *v = &points->velocity[p * dim + c];
+      PetscReal *v = &points->motion.velocity[p * dim + c];
 
       *v = (1. - of->transfer->pic) * (*v + change[c]) + of->transfer->pic * moves[c];
     }
@@ -36,7 +36,7 @@ MPM_INLINE void MovePoint(const MpmKnown known, const MpmSum *sum, PetscInt p, c
   for (PetscInt c = 0; step->moves && c < dim; c++) step->moves[p * dim + c] = moves[c];
   if (!step->a_new) return;
   change = MpmSlimInterpolate(known, sum, p, at, nodes, of->a_new, NULL);
-  for (PetscInt c = 0; c < dim; c++) points->acceleration[p * dim + c] = change[c];
+  for (PetscInt c = 0; c < dim; c++) points->motion.acceleration[p * dim + c] = change[c];
 }
 
 MPM_INLINE PetscErrorCode MotionToPoints(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,

@@ -108,7 +108,7 @@ static void GroupPieces(const MpmSpace *space, const MpmGroup *group, const MpmR
                         PetscInt lower[], PetscInt count[])
 {
   const PetscInt p = MpmShapeDegree(rules->shape), one = space->order[group->point_begin] * space->dim;
-  const PetscInt shift             = MpmSpaceShift(space, points->part, space->order[group->point_begin]);
+  const PetscInt shift             = MpmSpaceShift(space, points->domain.part, space->order[group->point_begin]);
   PetscInt       edge[MPM_MAX_DIM] = {0}, far_edge[MPM_MAX_DIM] = {0};
 
   MpmSpaceEdges(rules, &points->x[one], edge, far_edge);

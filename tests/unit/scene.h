@@ -356,12 +356,12 @@ static inline PetscErrorCode SceneCompare(MpmModel model, Vec x, Vec v, SceneVer
 /* All steps, without files. */
 static inline PetscErrorCode SceneRun(MpmModel model)
 {
-  const PetscInt steps = (PetscInt)PetscFloorReal(model->state.time_end / model->state.dt_nominal + 0.5);
+  const PetscInt steps = (PetscInt)PetscFloorReal(model->state.period.end / model->state.dt.nominal + 0.5);
   PetscBool      moved;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < steps; k++) {
-    const PetscReal next = model->state.dt_nominal * (PetscReal)(k + 1);
+    const PetscReal next = model->state.dt.nominal * (PetscReal)(k + 1);
     MpmOutcome      outcome;
 
     PetscCall(MpmParticlesRebalance(model->state.particles, model->disc.grid, PETSC_FALSE, &moved));

@@ -16,10 +16,10 @@ static PetscReal Random(PetscReal lower, PetscReal upper)
 /* Points whose parts follow one another in runs of so many. */
 static void Scatter(PetscInt dim, PetscInt run, MpmPoints *points)
 {
-  for (PetscInt p = 0; p < points->count; p++) points->part[p] = p / run % PARTS;
+  for (PetscInt p = 0; p < points->count; p++) points->domain.part[p] = p / run % PARTS;
   for (PetscInt k = 0; k < points->count * dim; k++) {
-    points->x[k]           = Random(-3., 2.);
-    points->half_length[k] = Random(0.01, 0.3);
+    points->x[k]                  = Random(-3., 2.);
+    points->domain.half_length[k] = Random(0.01, 0.3);
   }
   for (PetscInt k = 0; k < points->count * dim * dim; k++) points->F[k] = Random(-2., 2.);
 }
@@ -37,12 +37,12 @@ static void Check(PetscInt dim, const MpmPoints *points, PetscInt part, const Mp
   for (PetscInt p = 0; p < points->count; p++) {
     PetscReal square = 0., half = 0.;
 
-    if (points->part[p] != part) continue;
+    if (points->domain.part[p] != part) continue;
     found++;
     for (PetscInt a = 0; a < dim; a++) {
       lower[a] = PetscMin(lower[a], points->x[p * dim + a]);
       upper[a] = PetscMax(upper[a], points->x[p * dim + a]);
-      half     = PetscMax(half, points->half_length[p * dim + a]);
+      half     = PetscMax(half, points->domain.half_length[p * dim + a]);
     }
     for (PetscInt k = 0; k < dim * dim; k++) {
       square += PetscSqr(points->F[p * dim * dim + k]);

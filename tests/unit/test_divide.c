@@ -50,7 +50,8 @@ static PetscReal Edge(const MpmPoints *points, PetscInt p, PetscInt axis)
 {
   const PetscReal *F = &points->F[4 * p];
 
-  return 2. * points->half_length[2 * p + axis] * PetscSqrtReal(PetscSqr(F[axis]) + PetscSqr(F[2 + axis])) / CELL;
+  return 2. * points->domain.half_length[2 * p + axis] * PetscSqrtReal(PetscSqr(F[axis]) + PetscSqr(F[2 + axis])) /
+         CELL;
 }
 
 /* Drawn out to thirty cells, then divided as often as may be. */

@@ -298,7 +298,7 @@ static PetscErrorCode Start(MpmModel model, PetscBool mode)
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < points.count; p++) points.value[p] = mode ? Mode(points.x[2 * p]) : 0.7;
+  for (PetscInt p = 0; p < points.count; p++) points.physics.value[p] = mode ? Mode(points.x[2 * p]) : 0.7;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -315,7 +315,7 @@ static void RunUniform(PetscInt k)
   SCENE_CALL(Start(model, PETSC_FALSE));
   SCENE_CALL(SceneRun(model));
   SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < points.count; p++) worst = PetscMax(worst, PetscAbsReal(points.value[p] - 0.7));
+  for (PetscInt p = 0; p < points.count; p++) worst = PetscMax(worst, PetscAbsReal(points.physics.value[p] - 0.7));
   SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
   ck_assert_msg(SceneAll((PetscBool)(worst <= 1e-13)), "degree %d: the value is wrong by %g", own[k].degree,
                 (double)worst);
@@ -355,7 +355,7 @@ START_TEST(decay)
   SCENE_CALL(SceneRun(model));
   SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
-    worst = PetscMax(worst, PetscAbsReal(points.value[p] - factor * Mode(points.x[2 * p])));
+    worst = PetscMax(worst, PetscAbsReal(points.physics.value[p] - factor * Mode(points.x[2 * p])));
     moved = PetscMax(moved, PetscAbsReal(points.x[2 * p] - points.x0[2 * p]));
   }
   SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
@@ -391,18 +391,18 @@ static void RunInflow(PetscInt k)
   SCENE_CALL(SceneRun(model));
   SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt p = 0; p < points.count; p++) {
-    worst = PetscMax(worst, PetscAbsReal(points.value[p] - Inflow(points.x[2 * p], model->state.time)));
-    content[0] += points.volume0[p] * points.value[p];
+    worst = PetscMax(worst, PetscAbsReal(points.physics.value[p] - Inflow(points.x[2 * p], model->state.time)));
+    content[0] += points.volume0[p] * points.physics.value[p];
   }
   SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
   ck_assert_msg(SceneAll((PetscBool)(worst <= 0.01)), "degree %d, spacing %d: away from the series by %g",
                 own[k].degree, own[k].spacing, (double)worst);
   /* one more step: what enters through the constrained nodes is what the points gain */
-  model->state.time_end = model->state.dt_nominal;
-  model->state.time     = 0.;
+  model->state.period.end = model->state.dt.nominal;
+  model->state.time       = 0.;
   SCENE_CALL(SceneRun(model));
   SCENE_CALL(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < points.count; p++) content[1] += points.volume0[p] * points.value[p];
+  for (PetscInt p = 0; p < points.count; p++) content[1] += points.volume0[p] * points.physics.value[p];
   SCENE_CALL(MpmParticlesRestoreArrays(model->state.particles, &points));
   SCENE_CALL(MPI_Allreduce(MPI_IN_PLACE, content, 2, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
   flow = model->disc.nodal.reaction[1 * model->disc.block + 2];

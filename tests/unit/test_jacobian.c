@@ -280,7 +280,7 @@ static PetscErrorCode Look(MpmModel model, const Law *law, PetscReal domain, Pet
 
     PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
     for (PetscInt k = 0; k < points.count * model->disc.dim; k++)
-      points.half_length[k] = domain * model->disc.h[k % model->disc.dim];
+      points.domain.half_length[k] = domain * model->disc.h[k % model->disc.dim];
     PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   }
   PetscCall(SceneBegin(model, 0.25));

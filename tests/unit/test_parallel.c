@@ -188,11 +188,11 @@ static void ListColumns(const MpmParticles *particles, const MpmPoints *points, 
 
   columns[0] = (Column){points->x0, dim};
   columns[1] = (Column){points->F, dim * dim};
-  columns[2] = (Column){points->half_length, dim};
+  columns[2] = (Column){points->domain.half_length, dim};
   columns[3] = (Column){points->volume0, 1};
   columns[4] = (Column){points->stress, particles->stress_size};
   columns[5] = (Column){points->state, STATES};
-  columns[6] = (Column){points->value, RATES};
+  columns[6] = (Column){points->physics.value, RATES};
   columns[7] = (Column){extra[0], 1};
   columns[8] = (Column){extra[1], 1};
 }

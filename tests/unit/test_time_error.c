@@ -29,8 +29,8 @@ static PetscErrorCode Estimate(MpmModel model, PetscReal *estimate)
                                        .deviation = &sdirk->deviation[p * model->disc.layout->deviation.count],
                                        .span      = 0.25};
   }
-  model->state.scheme.sdirk   = sdirk;
-  model->state.scheme.largest = SWELLING;
+  model->state.scheme.sdirk         = sdirk;
+  model->state.scheme.error.largest = SWELLING;
   PetscCall(PetscArrayzero(model->disc.nodal.u, model->disc.space->local * model->disc.block));
   PetscCall(MpmTimeError(model, estimate));
   PetscFunctionReturn(PETSC_SUCCESS);
