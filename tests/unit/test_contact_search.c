@@ -68,7 +68,7 @@ START_TEST(boxes_hold_their_parts)
   const PetscInt counts[] = {0, 1, 2, 15, 16, 17, 31, 63, 64, 65, 127, 129, MOST}, runs[] = {1, 5, 64, 70, MOST};
   PetscInt       part[MOST];
   PetscReal      x[MOST * 3], half[MOST * 3], F[MOST * 9];
-  MpmPoints      points = {.part = part, .x = x, .half_length = half, .F = F};
+  MpmPoints      points = {.domain.part = part, .x = x, .domain.half_length = half, .F = F};
 
   for (PetscInt dim = 2; dim <= 3; dim++) {
     for (size_t c = 0; c < PETSC_STATIC_ARRAY_LENGTH(counts); c++) {

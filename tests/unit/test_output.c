@@ -665,15 +665,15 @@ START_TEST(test_summary_has_its_keys)
                          "migrate",
                          "output",
                          "linear_iterations"};
-  MpmSummary  summary = {.status     = "completed",
-                         .dim        = 3,
-                         .title      = "a \"quoted\\ \n title",
-                         .physics    = "solid",
-                         .shape      = "gimp",
-                         .jacobian   = "local",
-                         .points     = 5000000000,
-                         .steps      = 40,
-                         .time_total = 1.5};
+  MpmSummary  summary = {.status            = "completed",
+                         .dim               = 3,
+                         .scene.title       = "a \"quoted\\ \n title",
+                         .scene.physics     = "solid",
+                         .scene.shape       = "gimp",
+                         .solution.jacobian = "local",
+                         .points            = 5000000000,
+                         .effort.steps      = 40,
+                         .time_total        = 1.5};
   char       *text, key[64];
 
   summary.time[MPM_TIME_SOLVE] = 1. + my_rank;

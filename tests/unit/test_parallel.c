@@ -503,7 +503,7 @@ START_TEST(lent_fields)
              "the points have no field nothing");
   SCENE_CALL(MpmParticlesRelease(particles));
   SCENE_CALL(MpmParticlesGetArrays(particles, &one));
-  ck_assert(one.lent && one.x && !one.faces);
+  ck_assert(one.lent && one.x && !one.domain.faces);
   SCENE_CALL(MpmParticlesRestoreArrays(particles, &one));
   SCENE_CALL(SceneDestroy(&model));
 }
