@@ -282,7 +282,7 @@ static PetscErrorCode WriteOptions(MpmModel model)
   char               path[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBeginUser;
-  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_restart.yaml", model->scene.prefix));
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_restart.yaml", model->scene.name.prefix));
   PetscCall(MpmTextFileWrite(model->comm, path, 1, texts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -298,10 +298,10 @@ PetscErrorCode MpmCheckpointWrite(MpmModel model)
   PetscFunctionBeginUser;
   if (checkpoint->step == model->state.step) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
-  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_checkpoint.h5.tmp", model->scene.prefix));
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_checkpoint.h5.tmp", model->scene.name.prefix));
   PetscCall(WriteFile(model, path, &failed));
   if (!failed) {
-    failed = MpmCheckpointPublish(model->comm, model->scene.prefix, path, &head, checkpoint->keep,
+    failed = MpmCheckpointPublish(model->comm, model->scene.name.prefix, path, &head, checkpoint->keep,
                                   (PetscInt64)PetscMin(checkpoint->collective, 1e18));
   }
   if (failed && !model->rank) (void)unlink(path);

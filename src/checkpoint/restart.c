@@ -140,7 +140,7 @@ static PetscErrorCode FindLatest(MpmModel model, char path[PETSC_MAX_PATH_LEN], 
   MpmOutcome       outcome;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmCheckpointList(model->comm, model->scene.prefix, &count, &paths));
+  PetscCall(MpmCheckpointList(model->comm, model->scene.name.prefix, &count, &paths));
   for (PetscInt k = 0; k < count && found < 0; k++) {
     PetscCall(MpmCheckpointVerify(model->comm, paths[k], collective, head, &outcome));
     if (!outcome.code) found = k;
@@ -150,7 +150,7 @@ static PetscErrorCode FindLatest(MpmModel model, char path[PETSC_MAX_PATH_LEN], 
     PetscCall(PetscStrncpy(reason, outcome.text, sizeof(reason)));
   }
   PetscCall(MpmNamesDestroy(count, &paths));
-  MpmCheckInput(count, "-mpm_restart latest: there is no checkpoint %s_checkpoint.h5", model->scene.prefix);
+  MpmCheckInput(count, "-mpm_restart latest: there is no checkpoint %s_checkpoint.h5", model->scene.name.prefix);
   MpmCheckInput(found >= 0, "-mpm_restart latest: %s: %s", path, reason);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -411,7 +411,7 @@ PetscErrorCode MpmRestartApply(MpmModel model)
   MpmCheckInput(
     PetscAbsReal(model->state.period.start - start) <= 1e-12 * start, /* earlier versions did not round it */
     "-mpm_time_end: stage %s of the checkpoint %s begins at %g, not at %g",
-    model->scene.stages[model->state.stage].name, restart->path, (double)start, (double)model->state.period.start);
+    model->scene.stages.at[model->state.stage].name, restart->path, (double)start, (double)model->state.period.start);
   if (model->state.dt.nominal != dt_nominal) model->state.dt.wanted = model->state.dt.nominal; /* changed by the user */
   if (!strcmp(model->results->checkpoint.from, "latest"))
     model->results->checkpoint.step = model->state.step; /* one of the kept files */

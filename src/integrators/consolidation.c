@@ -119,7 +119,7 @@ static PetscErrorCode ListMaterials(const MpmModel model, const PetscReal time[]
 PetscErrorCode MpmWaterTellStage(MpmModel model)
 {
   const PetscReal undrained[] = {0., UNDRAINED}, partly[] = {UNDRAINED, DRAINED}, drained[] = {DRAINED, PETSC_INFINITY};
-  const MpmStage *stage  = &model->scene.stages[model->state.stage];
+  const MpmStage *stage  = &model->scene.stages.at[model->state.stage];
   const PetscReal length = model->state.period.end - model->state.period.start;
   PetscReal      *time;
   char            text[LINE] = "";
@@ -183,7 +183,7 @@ static PetscErrorCode TryStep(MpmModel model, PetscBool drained, PetscReal press
 {
   const MpmIntegrator *integrator = &MpmIntegratorQuasistatic;
   const PetscReal      length     = model->state.period.end - model->state.time;
-  MpmStage            *stage      = &model->scene.stages[model->state.stage];
+  MpmStage            *stage      = &model->scene.stages.at[model->state.stage];
 
   PetscFunctionBeginUser;
   stage->drained = drained;
@@ -262,7 +262,7 @@ PetscErrorCode MpmConsolidationAddRows(MpmModel model)
 PetscErrorCode MpmConsolidationBegin(MpmModel model)
 {
   MpmWaterRun    *state = &model->state.scheme.water;
-  const MpmStage *stage = &model->scene.stages[model->state.stage];
+  const MpmStage *stage = &model->scene.stages.at[model->state.stage];
   MpmOutcome      outcome;
 
   PetscFunctionBeginUser;
@@ -306,7 +306,7 @@ static PetscBool IsSettled(const MpmModel model)
 PetscErrorCode MpmConsolidationObserve(MpmModel model)
 {
   MpmWaterRun    *state = &model->state.scheme.water;
-  const MpmStage *stage = &model->scene.stages[model->state.stage];
+  const MpmStage *stage = &model->scene.stages.at[model->state.stage];
   PetscReal       excess;
   PetscBool       over;
 

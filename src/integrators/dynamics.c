@@ -98,11 +98,11 @@ PetscErrorCode MpmDynamicsBegin(MpmModel model)
   PetscFunctionBeginUser;
   Stop(model);
   if (!MpmStagesAreDynamic(model) || last < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC &&
-      model->scene.stages[last + 1].time.motion.type != MPM_QUASISTATIC)
+  if (model->scene.stages.at[last].time.motion.type != MPM_QUASISTATIC &&
+      model->scene.stages.at[last + 1].time.motion.type != MPM_QUASISTATIC)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesRest(model->state.particles));
-  if (model->scene.stages[last].time.motion.type != MPM_QUASISTATIC) model->state.dt.before = -1.;
+  if (model->scene.stages.at[last].time.motion.type != MPM_QUASISTATIC) model->state.dt.before = -1.;
   MpmTermsRest(model->disc.terms);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -315,12 +315,12 @@ static PetscErrorCode MovePoints(MpmModel model, PetscReal kick, PetscReal *agai
     step.a_new = dynamics->a_new;
   }
   if (again) PetscCall(PetscArrayzero(again, count));
-  if (MpmModelMotion(model)->transfer.type == MPM_TRANSFER_APIC && MpmShapeDegree(model->scene.shape) < 2 &&
+  if (MpmModelMotion(model)->transfer.type == MPM_TRANSFER_APIC && MpmShapeDegree(model->scene.shape.type) < 2 &&
       MpmLightNodesExist(model)) {
     PetscCall(PetscArraycpy(dynamics->a_rest, dynamics->v_new, count));
     MpmLightNodesLimitGradients(model, kick, 1., dynamics->a_rest);
     step.affine = dynamics->a_rest;
-    step.thin   = MpmShapeHasDomain(model->scene.shape);
+    step.thin   = MpmShapeHasDomain(model->scene.shape.type);
   }
   PetscCall(MpmMotionToPoints(model->disc.sum, &MpmModelMotion(model)->transfer, &step));
   if (!again) PetscFunctionReturn(PETSC_SUCCESS);

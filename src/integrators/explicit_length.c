@@ -72,7 +72,7 @@ static PetscReal Shortened(const MpmDampingControl *damping, PetscReal crossing)
 /* The stage's step; 0: none is given. */
 static PetscReal GivenStep(const MpmModel model)
 {
-  return model->state.scheme.rescuing.on ? 0. : model->scene.stages[model->state.stage].time.step;
+  return model->state.scheme.rescuing.on ? 0. : model->scene.stages.at[model->state.stage].time.step;
 }
 
 /* With scaled masses: the stage's step, or `cfl` of the time in which the slowest wave crosses a cell. */

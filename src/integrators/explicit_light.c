@@ -39,7 +39,7 @@ static PetscReal LeastMass(const MpmModel model, PetscReal part)
 
 PetscBool MpmExplicitIsLinear(const MpmModel model)
 {
-  return (PetscBool)(!MpmShapeHasDomain(model->scene.shape) && MpmShapeDegree(model->scene.shape) < 2);
+  return (PetscBool)(!MpmShapeHasDomain(model->scene.shape.type) && MpmShapeDegree(model->scene.shape.type) < 2);
 }
 
 PetscBool MpmLightNodesExist(const MpmModel model)

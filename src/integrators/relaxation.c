@@ -195,7 +195,7 @@ static PetscErrorCode Feel(MpmModel model, const PetscReal force[], PetscReal fe
 
 PetscErrorCode MpmRelaxationDamp(MpmModel model, PetscReal load[], PetscReal force[])
 {
-  const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
+  const MpmRelaxation *relaxation = &model->scene.stages.at[model->state.stage].relaxation;
   const MpmDynamics   *dynamics   = model->state.scheme.dynamics;
   const PetscReal     *mass = model->disc.context.inertia->mass, *v = dynamics->v_old;
   const PetscInt       dim = model->disc.dim, count = model->disc.context.inertia->local * dim;
@@ -249,7 +249,7 @@ PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped)
 
   PetscFunctionBeginUser;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &kinetic, 1, MPIU_REAL, MPIU_SUM, model->comm));
-  *stopped = (PetscBool)(model->scene.stages[model->state.stage].relaxation.damping == MPM_DAMPING_KINETIC &&
+  *stopped = (PetscBool)(model->scene.stages.at[model->state.stage].relaxation.damping == MPM_DAMPING_KINETIC &&
                          kinetic < relaxing->kinetic);
   if (*stopped) {
     PetscBool driven;
@@ -282,7 +282,7 @@ static PetscReal StillFrom(const MpmModel model)
   const MpmScene *scene = &model->scene;
   const MpmState *state = &model->state;
   const PetscInt  loads = scene->loads->count;
-  PetscReal       until = Later(PETSC_NINFINITY, scene->stages[state->stage].reduction.ramp, state->period.start);
+  PetscReal       until = Later(PETSC_NINFINITY, scene->stages.at[state->stage].reduction.ramp, state->period.start);
 
   for (PetscInt l = 0; l < loads; l++)
     if (state->acting.loads[l].active && !state->acting.loads[l].forced)
@@ -333,7 +333,7 @@ static PetscErrorCode MayRest(MpmModel model, PetscBool *may)
 /* True where the criteria have been met for long enough. */
 static PetscBool HaveHeld(const MpmModel model)
 {
-  const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
+  const MpmRelaxation *relaxation = &model->scene.stages.at[model->state.stage].relaxation;
   const MpmRelaxing   *relaxing   = &model->state.relaxing;
   const PetscReal      held       = End(model) - relaxing->since;
 
@@ -348,7 +348,7 @@ static PetscBool HaveHeld(const MpmModel model)
 
 PetscErrorCode MpmRelaxationFinish(MpmModel model, const PetscReal load[])
 {
-  const MpmRelaxation *relaxation = &model->scene.stages[model->state.stage].relaxation;
+  const MpmRelaxation *relaxation = &model->scene.stages.at[model->state.stage].relaxation;
   MpmRelaxing         *relaxing   = &model->state.relaxing;
   const MpmRescuing   *rescuing   = &model->state.scheme.rescuing;
   PetscReal            work       = 0., most;
@@ -409,7 +409,7 @@ PetscErrorCode MpmRelaxationAddRows(MpmModel model)
       {"relaxation_reset", MPM_ROW_REAL, MPM_ROW_RUN, &relaxing->reset, 0, 0},
       {"relaxation_quarter", MPM_ROW_REAL, MPM_ROW_RUN, &relaxing->quarter, 0, 0},
       {"relaxation_resets", MPM_ROW_INT, MPM_ROW_RUN, &relaxing->resets, 0, 0},
-      {"ended", MPM_ROW_REAL, MPM_ROW_RUN, relaxing->ended, model->scene.stage_count, 0},
+      {"ended", MPM_ROW_REAL, MPM_ROW_RUN, relaxing->ended, model->scene.stages.count, 0},
   };
 
   PetscFunctionBeginUser;
@@ -434,6 +434,6 @@ PetscErrorCode MpmRelaxationOver(MpmModel model, MpmOutcome *outcome)
   PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_SOLUTION,
                            "the relaxation has not come to rest%s; K_F is %.3g and K_E %.3g, with a tolerance of %g",
                            cause, (double)relaxing->force, (double)relaxing->energy,
-                           (double)model->scene.stages[state->stage].relaxation.tolerance));
+                           (double)model->scene.stages.at[state->stage].relaxation.tolerance));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -22,13 +22,13 @@
 static PetscBool Meet(const MpmModel model, PetscInt one, PetscInt other)
 {
   const PetscInt body[2] = {one, other};
-  PetscInt       from = 0, until = model->scene.stage_count;
+  PetscInt       from = 0, until = model->scene.stages.count;
 
-  for (PetscInt k = 0; k < 2 * model->scene.stage_count; k++) {
+  for (PetscInt k = 0; k < 2 * model->scene.stages.count; k++) {
     const PetscInt stage = k / 2, b = body[k % 2];
 
-    if (model->scene.stages[stage].adds[b]) from = PetscMax(from, stage);
-    if (model->scene.stages[stage].removed[b]) until = PetscMin(until, stage);
+    if (model->scene.stages.at[stage].adds[b]) from = PetscMax(from, stage);
+    if (model->scene.stages.at[stage].removed[b]) until = PetscMin(until, stage);
   }
   return (PetscBool)(from < until);
 }
@@ -201,7 +201,7 @@ PetscErrorCode MpmBodiesCheckOverlap(MpmModel model)
     PetscCall(PetscMalloc1(search.points.count, &search.body_of));
     MpmBodiesOfPoints(n, model->scene.bodies->at, &search.points, search.body_of);
     SearchRegions(&search);
-    if (files) PetscCall(SearchCells(&search, model->scene.stretch));
+    if (files) PetscCall(SearchCells(&search, model->scene.deformation.stretch));
     PetscCall(PetscFree(search.body_of));
     PetscCall(MpmParticlesRestoreArrays(model->state.particles, &search.points));
     PetscCall(Refuse(model, &search));

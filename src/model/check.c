@@ -63,8 +63,8 @@ static PetscReal PlannedSteps(const MpmModel model, PetscReal dt)
 {
   PetscReal steps = 0.;
 
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
-    const MpmStage *stage = &model->scene.stages[k];
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+    const MpmStage *stage = &model->scene.stages.at[k];
     const PetscReal step  = stage->time.step > 0. ? stage->time.step : dt;
 
     if (stage->geostatic.method != MPM_GEOSTATIC_NONE || step <= 0.) steps += 1.;
@@ -248,7 +248,8 @@ PetscErrorCode MpmModelCheck(MpmModel model, int *status)
   PetscFunctionBeginUser;
   PetscCall(MpmModelSetUp(model));
   PetscCall(PetscPrintf(model->comm, "talus %s checks %s\n", MPM_VERSION,
-                        model->scene.title && *model->scene.title ? model->scene.title : model->scene.prefix));
+                        model->scene.name.title && *model->scene.name.title ? model->scene.name.title
+                                                                            : model->scene.name.prefix));
   if (model->laboratory) PetscFunctionReturn(PrintLine(model->comm, "points", "", "1 point, in the laboratory"));
   PetscCall(PetscTime(&begin));
   PetscCall(MpmModelStep(model, &after));

@@ -80,7 +80,7 @@ PetscErrorCode MpmLaboratoryRead(MpmModel model, const MpmOptions *options, Pets
   const char  **names;
 
   PetscFunctionBeginUser;
-  MpmCheckInput(model->scene.kinematics != MPM_AXISYMMETRY || MpmOptionsHelp(),
+  MpmCheckInput(model->scene.deformation.kinematics != MPM_AXISYMMETRY || MpmOptionsHelp(),
                 "-mpm_kinematics axisymmetric: a stress point has no radius; must be left out, or -mpm_dim 3");
   PetscCall(PetscNew(&model->laboratory));
   model->laboratory->dim = model->disc.dim = dim;

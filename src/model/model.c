@@ -84,7 +84,7 @@ PetscErrorCode MpmModelCreate(MPI_Comm comm, MpmModel *model)
 
 PetscBool MpmModelHasScene(const MpmModel model)
 {
-  return (PetscBool)(model->scene.stages || model->laboratory);
+  return (PetscBool)(model->scene.stages.at || model->laboratory);
 }
 
 PetscErrorCode MpmModelSetOptions(MpmModel model, const char options[])
@@ -116,8 +116,8 @@ PetscErrorCode MpmModelSetPhysics(MpmModel model, const MpmPhysics *physics)
 PetscErrorCode MpmModelSetBodyForce(MpmModel model, MpmBodyForce force, void *ctx)
 {
   PetscFunctionBeginUser;
-  model->scene.body_force     = force;
-  model->scene.body_force_ctx = ctx;
+  model->scene.body_force.function = force;
+  model->scene.body_force.ctx      = ctx;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -194,8 +194,8 @@ static PetscErrorCode DestroyScene(MpmScene *scene)
   PetscCall(PetscFree(scene->surfaces));
   PetscCall(MpmAddedTermsDestroy(scene->terms));
   PetscCall(PetscFree(scene->terms));
-  PetscCall(PetscFree(scene->title));
-  PetscCall(PetscFree(scene->prefix));
+  PetscCall(PetscFree(scene->name.title));
+  PetscCall(PetscFree(scene->name.prefix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -286,7 +286,7 @@ PetscErrorCode MpmModelSetUp(MpmModel model)
     MpmModelCall(model, MpmLaboratorySetUp(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCheck(model->scene.stages, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetFromOptions() comes first");
+  PetscCheck(model->scene.stages.at, model->comm, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetFromOptions() comes first");
   MpmModelCall(model, SetUp(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

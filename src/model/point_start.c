@@ -49,7 +49,8 @@ PetscBool MpmOriginIsKept(const MpmModel model)
     wanted = (PetscBool)(wanted || model->scene.materials->at[m].varies);
   for (PetscInt k = 0; k < model->scene.surfaces->count; k++)
     wanted = (PetscBool)(wanted || model->scene.surfaces->at[k].region);
-  for (PetscInt s = 0; s < model->scene.stage_count; s++) resets = (PetscBool)(resets || model->scene.stages[s].reset);
+  for (PetscInt s = 0; s < model->scene.stages.count; s++)
+    resets = (PetscBool)(resets || model->scene.stages.at[s].reset);
   return (PetscBool)(wanted && resets);
 }
 
@@ -75,8 +76,8 @@ PetscErrorCode MpmBodiesPrepare(MpmModel model)
     PetscBool joins = PETSC_FALSE;
 
     MpmBodySetVertical(model->scene.bodies->at[b], axis, up);
-    for (PetscInt k = 1; k < model->scene.stage_count; k++)
-      joins = (PetscBool)(joins || model->scene.stages[k].adds[b]);
+    for (PetscInt k = 1; k < model->scene.stages.count; k++)
+      joins = (PetscBool)(joins || model->scene.stages.at[k].adds[b]);
     if (joins) MpmBodySetJoins(model->scene.bodies->at[b]);
     MpmCheckInput(joins || MpmBodyFills(model->scene.bodies->at[b]) != MPM_FILL_YES,
                   "-mpm_body_%s_fill true: the body joins no stage, must be in the list of bodies of a later one",
@@ -256,7 +257,7 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
    shape. */
 static PetscBool NeedsBodies(const MpmModel model)
 {
-  return (PetscBool)(!model->results->checkpoint.restart || model->scene.stages[0].name ||
+  return (PetscBool)(!model->results->checkpoint.restart || model->scene.stages.at[0].name ||
                      model->scene.boundaries->count > 0 || model->scene.pairs->count > 0);
 }
 
@@ -291,7 +292,7 @@ static PetscBool HasDomains(const MpmModel model, PetscBool faces)
 {
   for (PetscInt l = 0; l < model->scene.loads->count; l++)
     if (model->scene.loads->at[l].type == MPM_LOAD_TRACTION) return PETSC_TRUE;
-  return (PetscBool)(MpmShapeHasDomain(model->scene.shape) || faces || MpmStagesAreGeostatic(model) ||
+  return (PetscBool)(MpmShapeHasDomain(model->scene.shape.type) || faces || MpmStagesAreGeostatic(model) ||
                      MpmStagesReduce(model) || model->scene.stabilization.divide > 0.);
 }
 
@@ -316,26 +317,27 @@ PetscErrorCode MpmPointFieldsCreate(MpmModel model)
     state_size = PetscMax(state_size, model->scene.materials->at[m].state_size);
   PetscCall(NameFields(model, &fields, &extra, &shared));
   model->state.particles->has_mass = HasMass(model);
-  PetscCall(MpmParticlesCreate(model->disc.grid,
-                               &(MpmParticleFields){.parameters  = MpmOwnParametersSize(model),
-                                                    .state_size  = state_size,
-                                                    .own_size    = model->disc.layout->own.size,
-                                                    .rates       = model->disc.layout->rate.count,
-                                                    .half_length = HasDomains(model, faces),
-                                                    .increment   = model->state.predict,
-                                                    .faces       = faces,
-                                                    .part        = parts,
-                                                    .divisions   = (PetscBool)(model->scene.stabilization.divide > 0.),
-                                                    .origin      = MpmOriginIsKept(model),
-                                                    .across = (PetscBool)(model->scene.kinematics == MPM_PLANE_STRAIN &&
-                                                                          model->state.particles->has_mass),
-                                                    .velocity     = model->disc.context.inertia->dynamic,
-                                                    .affine       = MpmStagesAreAffine(model),
-                                                    .acceleration = MpmStagesAreImplicit(model),
-                                                    .extra_count  = extra,
-                                                    .shared       = shared,
-                                                    .extra        = fields},
-                               model->state.particles));
+  PetscCall(MpmParticlesCreate(
+    model->disc.grid,
+    &(MpmParticleFields){.parameters   = MpmOwnParametersSize(model),
+                         .state_size   = state_size,
+                         .own_size     = model->disc.layout->own.size,
+                         .rates        = model->disc.layout->rate.count,
+                         .half_length  = HasDomains(model, faces),
+                         .increment    = model->state.predict,
+                         .faces        = faces,
+                         .part         = parts,
+                         .divisions    = (PetscBool)(model->scene.stabilization.divide > 0.),
+                         .origin       = MpmOriginIsKept(model),
+                         .across       = (PetscBool)(model->scene.deformation.kinematics == MPM_PLANE_STRAIN &&
+                                               model->state.particles->has_mass),
+                         .velocity     = model->disc.context.inertia->dynamic,
+                         .affine       = MpmStagesAreAffine(model),
+                         .acceleration = MpmStagesAreImplicit(model),
+                         .extra_count  = extra,
+                         .shared       = shared,
+                         .extra        = fields},
+    model->state.particles));
   PetscCall(PetscFree(fields));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

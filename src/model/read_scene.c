@@ -59,8 +59,8 @@ static PetscErrorCode CreatePhysics(MpmModel model, const char *name, PetscInt d
                   "-mpm_physics %s: must be one of %s, " MPM_STRESS_POINT, name, words);
     PetscCall(PetscFree(words));
   }
-  PetscCall(MpmLayoutCreate(&model->scene.physics, (PetscInt)model->scene.kinematics, model->disc.layout));
-  model->scene.stretch = MpmStretchFind(dim);
+  PetscCall(MpmLayoutCreate(&model->scene.physics, (PetscInt)model->scene.deformation.kinematics, model->disc.layout));
+  model->scene.deformation.stretch = MpmStretchFind(dim);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -78,7 +78,7 @@ static PetscErrorCode ReadKinematics(MpmModel model, const MpmOptions *options, 
                    "axis, forces and masses of a full turn",
                    words, MPM_OPTIONAL, &word, &given));
   MpmCheckInput(!given || dim == 2 || MpmOptionsHelp(), "-mpm_kinematics %s: is a choice with -mpm_dim 2", words[word]);
-  model->scene.kinematics = dim == 3 ? MPM_SPATIAL : word ? MPM_AXISYMMETRY : MPM_PLANE_STRAIN;
+  model->scene.deformation.kinematics = dim == 3 ? MPM_SPATIAL : word ? MPM_AXISYMMETRY : MPM_PLANE_STRAIN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -90,7 +90,7 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options, PetscI
   PetscFunctionBeginUser;
   *dim = 2;
   PetscCall(MpmOptionsHeading(options, "Scene"));
-  PetscCall(MpmOptionsText(options, "title", "free text for the log", "", MPM_OPTIONAL, &model->scene.title));
+  PetscCall(MpmOptionsText(options, "title", "free text for the log", "", MPM_OPTIONAL, &model->scene.name.title));
   PetscCall(MpmPluginsLoad(options));
   PetscCall(MpmOptionsInt(options, "dim", "dimension: 2 (plane strain) or 3", 2, 3, MPM_REQUIRED, dim, NULL));
   PetscCall(ReadKinematics(model, options, *dim));
@@ -109,10 +109,10 @@ static PetscErrorCode ReadDiscretization(MpmModel model, const MpmOptions *optio
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsWord(options, "shape", "shape functions", MpmShapeTypes, MPM_OPTIONAL, &shape, NULL));
-  model->scene.shape = (MpmShapeType)shape;
+  model->scene.shape.type = (MpmShapeType)shape;
   PetscCall(MpmOptionsWord(options, "shape_edge", "how splines end at the grid's edges and at walls", MpmEdgeTypes,
                            MPM_OPTIONAL, &edge, NULL));
-  model->scene.edge = (MpmEdgeType)edge;
+  model->scene.shape.edge = (MpmEdgeType)edge;
   PetscCall(
     MpmOptionsWord(options, "jacobian", "how the Jacobian is made", MpmJacobianTypes, MPM_OPTIONAL, &jacobian, NULL));
   model->solver.jacobian.form = jacobian == MPM_JACOBIAN_AUTO ? MPM_JACOBIAN_LOCAL : (MpmJacobianType)jacobian;
@@ -130,14 +130,14 @@ static PetscErrorCode CheckPrefix(MpmModel model)
 
   PetscFunctionBeginUser;
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(model->scene.prefix[0] && strlen(model->scene.prefix) < PETSC_MAX_PATH_LEN - 64,
+  MpmCheckInput(model->scene.name.prefix[0] && strlen(model->scene.name.prefix) < PETSC_MAX_PATH_LEN - 64,
                 "-mpm_output_prefix: must be a name of 1 to %d characters", PETSC_MAX_PATH_LEN - 65);
-  slash  = strrchr(model->scene.prefix, '/');
-  length = strlen(slash ? slash + 1 : model->scene.prefix);
+  slash  = strrchr(model->scene.name.prefix, '/');
+  length = strlen(slash ? slash + 1 : model->scene.name.prefix);
   MpmCheckInput(length > 0 && length <= 200,
                 "-mpm_output_prefix: the name behind the folder has %d characters, must have 1 to 200", (int)length);
-  PetscCall(MpmFolderCheck(model->comm, model->scene.prefix, &there));
-  MpmCheckInput(there, "-mpm_output_prefix %s: its folder cannot be made or takes no files", model->scene.prefix);
+  PetscCall(MpmFolderCheck(model->comm, model->scene.name.prefix, &there));
+  MpmCheckInput(there, "-mpm_output_prefix %s: its folder cannot be made or takes no files", model->scene.name.prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -146,7 +146,8 @@ static PetscErrorCode ReadPrefix(MpmModel model, const MpmOptions *options, cons
 {
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(block, "Output"));
-  PetscCall(MpmOptionsText(block, "prefix", "results are named after it", "talus", MPM_OPTIONAL, &model->scene.prefix));
+  PetscCall(
+    MpmOptionsText(block, "prefix", "results are named after it", "talus", MPM_OPTIONAL, &model->scene.name.prefix));
   PetscCall(CheckPrefix(model));
   PetscCall(MpmOptionsBool(options, "quiet", "no lines but errors on the terminal", &model->results->quiet, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -206,8 +207,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscCall(PetscCalloc1(model->scene.materials->count, &model->scene.materials->at));
   model->solver.definite.symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
-    PetscCall(MpmMaterialCreate(options, model->scene.materials->names[m], (PetscInt)model->scene.kinematics,
-                                &model->scene.materials->at[m]));
+    PetscCall(MpmMaterialCreate(options, model->scene.materials->names[m],
+                                (PetscInt)model->scene.deformation.kinematics, &model->scene.materials->at[m]));
     PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, model->disc.dim, &model->scene.materials->at[m]));
     if (!(model->scene.materials->at[m].info.traits & MPM_LAW_SYMMETRIC))
       model->solver.definite.symmetric = PETSC_FALSE;
@@ -382,7 +383,7 @@ static PetscErrorCode CheckAxial(const MpmModel model)
   const MpmBoundaries *boundaries = model->scene.boundaries;
 
   PetscFunctionBeginUser;
-  if (model->scene.kinematics != MPM_AXISYMMETRY || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->scene.deformation.kinematics != MPM_AXISYMMETRY || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt l = 0; l < loads->count; l++)
     MpmCheckInput(loads->at[l].type != MPM_LOAD_GRAVITY || loads->at[l].value[0] == 0.,
                   "-mpm_load_%s_value: gravity along x, the radius, must be 0 " AXIAL, loads->at[l].name);
@@ -419,7 +420,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscFunctionBeginUser;
   PetscCall(ReadDiscretization(model, options, dim, physics));
   PetscCall(MpmGridSetFromOptions(model->disc.grid, options, model->disc.layout->dim));
-  model->disc.grid->axial = (PetscBool)(model->scene.kinematics == MPM_AXISYMMETRY);
+  model->disc.grid->axial = (PetscBool)(model->scene.deformation.kinematics == MPM_AXISYMMETRY);
   MpmCheckInput(!model->disc.grid->axial || model->disc.grid->lower[0] >= 0. || MpmOptionsHelp(),
                 "-mpm_grid_lower: x starts at %g, with -mpm_kinematics axisymmetric it is the radius and must be >= 0",
                 (double)model->disc.grid->lower[0]);

@@ -33,7 +33,7 @@ static PetscBool AtStageEnd(const MpmModel model)
 /* True at the end of the last stage. */
 static PetscBool AtEnd(const MpmModel model)
 {
-  return (PetscBool)(AtStageEnd(model) && model->state.stage + 1 >= model->scene.stage_count);
+  return (PetscBool)(AtStageEnd(model) && model->state.stage + 1 >= model->scene.stages.count);
 }
 
 /*
@@ -55,7 +55,7 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
     PetscCall(MpmStageBegin(model, model->state.stage + 1));
   }
   before = model->state.step;
-  stage  = &model->scene.stages[model->state.stage];
+  stage  = &model->scene.stages.at[model->state.stage];
   if (begins && stage->name && model->state.time == model->state.period.start)
     PetscCall(MpmMonitorNote(&model->monitor, "stage %s", stage->name));
   if (begins && model->state.time == model->state.period.start) {
@@ -144,7 +144,7 @@ static PetscErrorCode OpenResults(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (model->results->states.every) {
-    PetscCall(MpmOutputCreate(model->comm, model->scene.prefix, &model->results->states.file));
+    PetscCall(MpmOutputCreate(model->comm, model->scene.name.prefix, &model->results->states.file));
     PetscCall(MpmOutputSetSingle(model->results->states.file, model->results->states.single));
   }
   if (model->results->states.file && model->results->checkpoint.restart)
@@ -248,7 +248,7 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
   PetscFunctionBeginUser;
   PetscCall(MpmModelSetUp(model));
   PetscCheck(!model->results->history, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the model has been run");
-  PetscCall(MpmFolderMake(model->comm, model->scene.prefix));
+  PetscCall(MpmFolderMake(model->comm, model->scene.name.prefix));
   if (model->laboratory) {
     MpmModelCall(model, MpmLaboratoryRun(model, status));
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -26,10 +26,10 @@ static PetscErrorCode ViewScene(const MpmModel model, PetscViewer viewer)
   const MpmScene *scene = &model->scene;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "Model: %s\n", scene->title ? scene->title : "without a title"));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Model: %s\n", scene->name.title ? scene->name.title : "without a title"));
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "physics %s, %s, shape %s, integrator %s\n", scene->physics.name,
-                                   MpmKindText(model), MpmShapeTypes[scene->shape],
+                                   MpmKindText(model), MpmShapeTypes[scene->shape.type],
                                    model->state.scheme.integrator->name));
   PetscCall(PetscViewerASCIIPrintf(viewer, "unknowns of a node:"));
   PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));
@@ -47,7 +47,7 @@ static PetscErrorCode ViewScene(const MpmModel model, PetscViewer viewer)
     "%" PetscInt64_FMT " points of %" PetscInt_FMT " bodies, %" PetscInt_FMT " conditions, %" PetscInt_FMT
     " motions, %" PetscInt_FMT " boundaries, %" PetscInt_FMT " loads, %" PetscInt_FMT " stages\n",
     model->state.particles->total, scene->bodies->count, scene->bcs->count, scene->motions->count,
-    scene->boundaries->count, scene->loads->count, scene->stage_count));
+    scene->boundaries->count, scene->loads->count, scene->stages.count));
   PetscCall(PetscViewerASCIIPrintf(viewer, "terms:"));
   PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));
   for (PetscInt k = 0; k < model->disc.terms->count; k++)

@@ -139,12 +139,12 @@ PetscErrorCode MpmHistoryOpen(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(AddCallers(model, &results->columns));
   names = (const char *const *)results->columns.names;
-  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_history.csv", model->scene.prefix));
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_history.csv", model->scene.name.prefix));
   if (results->checkpoint.restart)
     PetscCall(MpmHistoryResume(model, path, 0, results->columns.name_count, names, &results->history));
   else PetscCall(MpmHistoryCreate(model->comm, path, results->columns.name_count, names, &results->history));
   PetscCall(PetscMalloc1(results->columns.name_count, &results->history_row));
-  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_options.yaml", model->scene.prefix));
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_options.yaml", model->scene.name.prefix));
   PetscCall(MpmOptionsWriteYAML(&options, path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

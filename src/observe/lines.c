@@ -171,7 +171,7 @@ static PetscErrorCode OpenFile(MpmModel model, const char *kind, const char *nam
   char        path[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBeginUser;
-  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_%s_%s.csv", model->scene.prefix, kind, name));
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_%s_%s.csv", model->scene.name.prefix, kind, name));
   if (model->results->checkpoint.restart)
     PetscCall(MpmHistoryResume(model, path, 1 + lines->file_count, count, names, file));
   else PetscCall(MpmHistoryCreate(model->comm, path, count, names, file));

@@ -120,7 +120,7 @@ static PetscErrorCode FillStrain(MpmModel model, const MpmPointColumn *column, P
     const unsigned traits = model->scene.materials->at[points.material[p]].info.traits;
     PetscReal      F[9];
 
-    if (model->scene.kinematics != MPM_SPATIAL && !(traits & MPM_LAW_SMALL_STRAIN)) {
+    if (model->scene.deformation.kinematics != MPM_SPATIAL && !(traits & MPM_LAW_SMALL_STRAIN)) {
       PlaneLogStrain(MpmPointF(&points, p), &values[6 * p]);
       if (points.F_size == 5) values[6 * p + 2] = PetscLogReal(MpmPointF(&points, p)[4]);
       continue;
@@ -148,7 +148,7 @@ PetscErrorCode MpmPointsAddColumns(MpmModel model, MpmPointColumns *columns)
 
   PetscFunctionBeginUser;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(always); k++) PetscCall(MpmPointColumnsAdd(columns, &always[k]));
-  if (MpmShapeHasDomain(model->scene.shape)) PetscCall(MpmPointColumnsAdd(columns, &half_length));
+  if (MpmShapeHasDomain(model->scene.shape.type)) PetscCall(MpmPointColumnsAdd(columns, &half_length));
   if (model->disc.context.inertia->dynamic) PetscCall(MpmPointColumnsAdd(columns, &velocity));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -71,8 +71,8 @@ static PetscErrorCode PrintMotion(const MpmModel model)
   char text[64] = "";
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
-    const MpmMotionControl *motion = &model->scene.stages[k].time.motion;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+    const MpmMotionControl *motion = &model->scene.stages.at[k].time.motion;
 
     if (motion->type == MPM_QUASISTATIC) continue;
     if (motion->type == MPM_GENERALIZED_ALPHA)
@@ -96,7 +96,7 @@ PetscErrorCode MpmTerminalBegin(MpmModel model, const char *what)
   PetscFunctionBeginUser;
   PetscCall(PetscTime(&model->results->terminal.since));
   if (!MpmTerminalShows(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmTextQuote(model->scene.title[0] ? model->scene.title : model->scene.prefix, &title));
+  PetscCall(MpmTextQuote(model->scene.name.title[0] ? model->scene.name.title : model->scene.name.prefix, &title));
   PetscCall(PetscPrintf(model->comm, "talus %s: %s\n", MPM_VERSION, title));
   PetscCall(PetscFree(title));
   if (what) {
@@ -105,8 +105,8 @@ PetscErrorCode MpmTerminalBegin(MpmModel model, const char *what)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscPrintf(model->comm, "  %s, %s, shape %s%s, Jacobian %s, solver %s%s%s%s, %d rank%s\n",
-                        model->scene.physics.name, MpmKindText(model), MpmShapeTypes[model->scene.shape],
-                        model->scene.edge == MPM_EDGE_OPEN ? " with not-a-knot ends" : "",
+                        model->scene.physics.name, MpmKindText(model), MpmShapeTypes[model->scene.shape.type],
+                        model->scene.shape.edge == MPM_EDGE_OPEN ? " with not-a-knot ends" : "",
                         MpmJacobianTypes[model->solver.jacobian.form], model->solver.preset.name,
                         model->solver.preset.why ? " (" : "", model->solver.preset.why ? model->solver.preset.why : "",
                         model->solver.preset.why ? ")" : "", model->size, model->size > 1 ? "s" : ""));

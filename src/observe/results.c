@@ -86,9 +86,9 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
 {
   MpmSummary     summary = {.status                   = status,
                             .dim                      = model->disc.dim,
-                            .scene.title              = model->scene.title,
+                            .scene.title              = model->scene.name.title,
                             .scene.physics            = model->scene.physics.name,
-                            .scene.shape              = MpmShapeTypes[model->scene.shape],
+                            .scene.shape              = MpmShapeTypes[model->scene.shape.type],
                             .solution.jacobian        = MpmJacobianTypes[model->solver.jacobian.form],
                             .solution.solver          = model->solver.preset.name,
                             .points                   = model->state.particles->total,
@@ -123,7 +123,7 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
   summary.time_total = now - model->results->start;
   PetscCall(PetscArraycpy(summary.time, model->monitor.seconds, MPM_TIME_COUNT));
   PetscCall(MpmSummaryReduce(model->comm, &summary));
-  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_summary.json", model->scene.prefix));
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_summary.json", model->scene.name.prefix));
   PetscCall(MpmSummaryWrite(model->comm, path, MPM_VERSION, &summary));
   if (MpmTerminalShows(model)) PetscCall(MpmTerminalSummary(model->comm, &summary));
   PetscFunctionReturn(PETSC_SUCCESS);

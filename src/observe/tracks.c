@@ -133,7 +133,7 @@ static PetscErrorCode AnyWaits(MpmModel model, PetscBool *any)
 {
   PetscFunctionBeginUser;
   *any = PETSC_FALSE;
-  if (!model->results->tracks.count || !model->scene.stages[0].name) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->results->tracks.count || !model->scene.stages.at[0].name) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < model->scene.bodies->count; b++)
     if (model->state.scheme.parked[b].count) *any = PETSC_TRUE;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, any, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));

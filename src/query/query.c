@@ -12,21 +12,21 @@
 
 const char *MpmKindText(const MpmModel model)
 {
-  return model->scene.kinematics == MPM_AXISYMMETRY ? "axisymmetric" : model->disc.dim == 2 ? "2D" : "3D";
+  return model->scene.deformation.kinematics == MPM_AXISYMMETRY ? "axisymmetric" : model->disc.dim == 2 ? "2D" : "3D";
 }
 
 PetscBool MpmStagesAreGeostatic(const MpmModel model)
 {
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].geostatic.method != MPM_GEOSTATIC_NONE) return PETSC_TRUE;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->scene.stages.at[k].geostatic.method != MPM_GEOSTATIC_NONE) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 PetscBool MpmStagesKeepMass(const MpmModel model)
 {
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
     for (PetscInt b = 0; b < model->scene.bodies->count; b++)
-      if (model->scene.stages[k].material[b] >= 0) return PETSC_TRUE;
+      if (model->scene.stages.at[k].material[b] >= 0) return PETSC_TRUE;
   return MpmStagesAreGeostatic(model);
 }
 
@@ -51,26 +51,26 @@ PetscReal MpmModelSurfacePressure(const MpmModel model, PetscInt surface, PetscR
 
 const MpmMotionControl *MpmModelMotion(const MpmModel model)
 {
-  const MpmStage *stage = &model->scene.stages[model->state.stage];
+  const MpmStage *stage = &model->scene.stages.at[model->state.stage];
 
   return model->state.scheme.rescuing.on ? &stage->relaxation.motion : &stage->time.motion;
 }
 
 PetscBool MpmModelRelaxes(const MpmModel model)
 {
-  return (PetscBool)(model->scene.stages[model->state.stage].relaxation.on || model->state.scheme.rescuing.on);
+  return (PetscBool)(model->scene.stages.at[model->state.stage].relaxation.on || model->state.scheme.rescuing.on);
 }
 
 PetscBool MpmStagesRelax(const MpmModel model)
 {
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].relaxation.on || model->scene.stages[k].time.rescue) return PETSC_TRUE;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->scene.stages.at[k].relaxation.on || model->scene.stages.at[k].time.rescue) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 PetscBool MpmModelScales(const MpmModel model)
 {
-  return (PetscBool)(MpmModelRelaxes(model) && model->scene.stages[model->state.stage].relaxation.scaled);
+  return (PetscBool)(MpmModelRelaxes(model) && model->scene.stages.at[model->state.stage].relaxation.scaled);
 }
 
 PetscBool MpmStageSettles(const MpmStage *stage)
@@ -80,20 +80,20 @@ PetscBool MpmStageSettles(const MpmStage *stage)
 
 PetscBool MpmStagesReduce(const MpmModel model)
 {
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].reduction.ramp) return PETSC_TRUE;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->scene.stages.at[k].reduction.ramp) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 PetscBool MpmReductionSeeks(const MpmModel model)
 {
-  if (!model->scene.stages) return PETSC_FALSE; /* a stress point has none */
-  return (PetscBool)(model->scene.stages[model->state.stage].reduction.ramp && !(model->state.safety.factor > 0.));
+  if (!model->scene.stages.at) return PETSC_FALSE; /* a stress point has none */
+  return (PetscBool)(model->scene.stages.at[model->state.stage].reduction.ramp && !(model->state.safety.factor > 0.));
 }
 
 PetscReal MpmReductionFactor(const MpmModel model, PetscReal time)
 {
-  const MpmStage *stage = &model->scene.stages[model->state.stage];
+  const MpmStage *stage = &model->scene.stages.at[model->state.stage];
   const PetscReal along = time - model->state.period.start, left = 1. - along / model->state.dt.nominal;
   PetscReal       factor;
 
@@ -136,15 +136,15 @@ void MpmStageEndHere(MpmModel model)
 
 PetscBool MpmStagesControlError(const MpmModel model)
 {
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].time.second && model->scene.stages[k].time.error > 0.) return PETSC_TRUE;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->scene.stages.at[k].time.second && model->scene.stages.at[k].time.error > 0.) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 PetscBool MpmStagesConsolidate(const MpmModel model)
 {
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].consolidation > 0.) return PETSC_TRUE;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->scene.stages.at[k].consolidation > 0.) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 

@@ -128,18 +128,45 @@ typedef struct {
   PetscBool divide_auto;
   PetscBool fbar, fbar_auto;
   PetscBool fbar_plain; /* F-bar averages dilation by shear, too */
+  MpmPhysics  plain;    /* physics that F-bar has replaced, where surfaces need it */
   const char *fbar_why; /* reason of the choice of `auto`, or NULL */
 } MpmStabilization;
 
+/* Title, for the log, and the prefix of all files of results. */
+typedef struct {
+  char *title, *prefix;
+} MpmSceneName;
+
+/* How points deform, and the function for the stretch of their domains. */
+typedef struct {
+  MpmKinematics kinematics;
+  MpmStretch    stretch;
+} MpmDeformation;
+
+/* Shape functions, and their ends at the grid's edges. */
+typedef struct {
+  MpmShapeType type;
+  MpmEdgeType  edge;
+} MpmShapeChoice;
+
+/* A body force of the caller's. */
+typedef struct {
+  MpmBodyForce function;
+  void        *ctx;
+} MpmForceField;
+
+/* Stages in their order; at least one. */
+typedef struct {
+  PetscInt  count;
+  MpmStage *at;
+} MpmStages;
+
 /* The scene as read: constant from then on. */
 typedef struct {
-  char            *title, *prefix;
+  MpmSceneName     name;
   MpmPhysics       physics;
-  MpmPhysics       plain; /* physics that `physics` has replaced for F-bar, where surfaces need it */
-  MpmKinematics    kinematics;
-  MpmStretch       stretch;
-  MpmShapeType     shape;
-  MpmEdgeType      edge;
+  MpmDeformation   deformation;
+  MpmShapeChoice   shape;
   MpmMaterials    *materials;
   MpmBodies       *bodies;
   MpmConditions   *bcs;
@@ -151,9 +178,7 @@ typedef struct {
   MpmWaterTable   *water;
   MpmAddedTerms   *terms; /* of types from outside the tree */
   MpmFollow        follow;
-  MpmBodyForce     body_force;
-  void            *body_force_ctx;
+  MpmForceField    body_force;
   MpmStabilization stabilization;
-  PetscInt         stage_count;
-  MpmStage        *stages;
+  MpmStages        stages;
 } MpmScene;

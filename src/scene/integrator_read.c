@@ -199,15 +199,15 @@ void MpmMotionDefaults(MpmMotionControl *motion)
 
 PetscBool MpmStagesSolve(const MpmModel model)
 {
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].time.motion.type != MPM_EXPLICIT) return PETSC_TRUE;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->scene.stages.at[k].time.motion.type != MPM_EXPLICIT) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 PetscBool MpmStagesAreImplicit(const MpmModel model)
 {
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
-    const MpmIntegratorType type = model->scene.stages[k].time.motion.type;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+    const MpmIntegratorType type = model->scene.stages.at[k].time.motion.type;
 
     if (type != MPM_QUASISTATIC && type != MPM_EXPLICIT) return PETSC_TRUE;
   }
@@ -217,23 +217,23 @@ PetscBool MpmStagesAreImplicit(const MpmModel model)
 /* True where any stage begins with inertia. */
 static PetscBool AnyMoves(const MpmModel model)
 {
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].time.motion.type != MPM_QUASISTATIC) return PETSC_TRUE;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->scene.stages.at[k].time.motion.type != MPM_QUASISTATIC) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 PetscBool MpmStagesAreDynamic(const MpmModel model)
 {
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].time.rescue) return PETSC_TRUE;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->scene.stages.at[k].time.rescue) return PETSC_TRUE;
   return AnyMoves(model);
 }
 
 /* True where points carry the fields of their transfer. */
 PetscBool MpmStagesAreAffine(const MpmModel model)
 {
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
-    const MpmMotionControl *motion = &model->scene.stages[k].time.motion;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+    const MpmMotionControl *motion = &model->scene.stages.at[k].time.motion;
 
     if (motion->type != MPM_QUASISTATIC && motion->transfer.type == MPM_TRANSFER_APIC) return PETSC_TRUE;
   }
@@ -286,8 +286,8 @@ static PetscErrorCode CheckConditions(const MpmModel model)
     const char         *name = model->scene.bcs->names[b];
     PetscBool           any  = PETSC_FALSE;
 
-    for (PetscInt k = 0; k < model->scene.stage_count; k++) {
-      const MpmStage *stage = &model->scene.stages[k];
+    for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+      const MpmStage *stage = &model->scene.stages.at[k];
       const PetscBool moves = (PetscBool)(stage->time.motion.type != MPM_QUASISTATIC);
 
       any = (PetscBool)(any || (moves && stage->bcs[b]));
@@ -308,17 +308,19 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
   const PetscBool dynamic = MpmStagesAreDynamic(model);
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
-    MpmStage *stage = &model->scene.stages[k];
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+    MpmStage *stage = &model->scene.stages.at[k];
 
-    stage->time.motion.transfer.degree = stage->relaxation.motion.transfer.degree = MpmShapeDegree(model->scene.shape);
+    stage->time.motion.transfer.degree = stage->relaxation.motion.transfer.degree =
+      MpmShapeDegree(model->scene.shape.type);
   }
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     const char *name = model->scene.bodies->names[b], *file;
     const char *given;
     PetscBool   run;
 
-    PetscCall(MpmBodyReadVelocity(options, name, model->scene.shape, model->scene.bodies->at[b], &given, &file, &run));
+    PetscCall(
+      MpmBodyReadVelocity(options, name, model->scene.shape.type, model->scene.bodies->at[b], &given, &file, &run));
     if (AnyMoves(model) || MpmOptionsHelp()) continue;
     MpmCheckInput(!given, "-mpm_body_%s_%s: no stage has inertia; -mpm_time_integrator names one", name, given);
     MpmCheckInput(!file || run,
@@ -329,8 +331,8 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
         MpmMonitorLine(&model->monitor, "body %s: velocities of %s are not used, no stage has inertia", name, file));
   }
   model->disc.context.inertia->dynamic = dynamic;
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->disc.layout->traits.solid && MpmStageSettles(&model->scene.stages[k]))
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->disc.layout->traits.solid && MpmStageSettles(&model->scene.stages.at[k]))
       model->disc.context.inertia->settles = PETSC_TRUE;
   if (!MpmStagesSolve(model)) model->state.predict = PETSC_FALSE;
   if (!MpmOptionsHelp()) PetscCall(CheckConditions(model));
@@ -340,7 +342,7 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     MpmCheckInput(model->scene.materials->at[m].density > 0.,
                   "-mpm_material_%s_density: must be > 0, kg/m3, in dynamics", model->scene.materials->names[m]);
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) PetscCall(CheckExplicit(model, &model->scene.stages[k]));
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) PetscCall(CheckExplicit(model, &model->scene.stages.at[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -348,8 +350,8 @@ PetscBool MpmStagesMinimise(const MpmModel model)
 {
   if (!MpmStagesSolve(model) || model->scene.stabilization.smooth > 0. || !MpmPotentialExists(&model->disc))
     return PETSC_FALSE;
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
-    const MpmMotionControl  *motion  = &model->scene.stages[k].time.motion;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+    const MpmMotionControl  *motion  = &model->scene.stages.at[k].time.motion;
     const MpmDampingControl *damping = &motion->damping;
 
     if (motion->type == MPM_QUASISTATIC || motion->type == MPM_EXPLICIT) continue;

@@ -164,7 +164,7 @@ static PetscBool Prescribes(const MpmModel model, PetscInt b, PetscInt component
 
   for (PetscInt k = 0; k < bc->component_count && !bc->inclined && !bc->absorbing; k++)
     has = (PetscBool)(has || bc->component[k] == component);
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) has = (PetscBool)(has && model->scene.stages[k].bcs[b]);
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) has = (PetscBool)(has && model->scene.stages.at[k].bcs[b]);
   return (PetscBool)(has && MpmRegionGetType(bc->region) <= MPM_REGION_BOX && MpmRegionContains(bc->region, lower) &&
                      MpmRegionContains(bc->region, upper));
 }
@@ -198,8 +198,8 @@ static PetscErrorCode ChooseFbar(MpmModel model)
   for (PetscInt m = 0; m < model->scene.materials->count && !locks; m++) {
     const MpmMaterial *material = &model->scene.materials->at[m];
     const PetscBool    plastic  = (PetscBool)((material->info.traits & MPM_LAW_PLASTIC) != 0);
-    const PetscBool    free =
-      (PetscBool)(plastic && material->dilation.least >= MPM_DILATION_FREE && MpmShapeDegree(model->scene.shape) > 1);
+    const PetscBool    free     = (PetscBool)(plastic && material->dilation.least >= MPM_DILATION_FREE &&
+                                       MpmShapeDegree(model->scene.shape.type) > 1);
 
     follows = (PetscBool)(follows || free);
     if ((plastic && !free) || material->moduli.nu > MPM_NU_LOCKS) locks = material;
@@ -218,8 +218,9 @@ static PetscErrorCode ChooseFbar(MpmModel model)
 /* True where F-bar leaves to the points the material's dilation by shear. */
 static PetscBool LeavesDilation(const MpmModel model, const MpmMaterial *material)
 {
-  return (PetscBool)(model->scene.kinematics == MPM_PLANE_STRAIN && !model->scene.stabilization.fbar_plain &&
-                     material->info.dilatancy && material->dilation.most > 0.);
+  return (PetscBool)(model->scene.deformation.kinematics == MPM_PLANE_STRAIN &&
+                     !model->scene.stabilization.fbar_plain && material->info.dilatancy &&
+                     material->dilation.most > 0.);
 }
 
 /* Points that carry momentum or water are not divided. */
@@ -266,7 +267,7 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
     material->dilatancy          = material->info.dilatancy;
     model->state.rescue.dilation = PETSC_TRUE;
   }
-  PetscCall(MpmLayoutCreate(&model->scene.physics, (PetscInt)model->scene.kinematics, model->disc.layout));
+  PetscCall(MpmLayoutCreate(&model->scene.physics, (PetscInt)model->scene.deformation.kinematics, model->disc.layout));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -115,10 +115,10 @@ static PetscErrorCode ReadActive(MpmScene *scene, const MpmOptions *options)
   char       prefix[256];
 
   PetscFunctionBeginUser;
-  PetscCall(PetscCalloc2((LISTS * scene->stage_count), &had, (LISTS * scene->stage_count), &given));
-  for (PetscInt k = 0; k < scene->stage_count; k++) {
+  PetscCall(PetscCalloc2((LISTS * scene->stages.count), &had, (LISTS * scene->stages.count), &given));
+  for (PetscInt k = 0; k < scene->stages.count; k++) {
     const MpmOptions block = {options->comm, prefix, options->record};
-    MpmStage        *stage = &scene->stages[k];
+    MpmStage        *stage = &scene->stages.at[k];
 
     if (stage->name) {
       PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_", stage->name));
@@ -131,9 +131,9 @@ static PetscErrorCode ReadActive(MpmScene *scene, const MpmOptions *options)
       had[LISTS * k + l] = *list[l].all.count;
     }
   }
-  for (PetscInt k = 0; k < LISTS * scene->stage_count; k++)
+  for (PetscInt k = 0; k < LISTS * scene->stages.count; k++)
     PetscCall(WidenMarks(had[k], *list[k % LISTS].all.count, list[k % LISTS].scene, given[k],
-                         Marks(&scene->stages[k / LISTS], &list[k % LISTS])));
+                         Marks(&scene->stages.at[k / LISTS], &list[k % LISTS])));
   PetscCall(PetscFree2(had, given));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -148,9 +148,9 @@ PetscErrorCode MpmStagesReadLists(MpmScene *scene, const MpmOptions *options)
   PetscCall(MpmOptionsHas(options, "stages", &given));
   PetscCall(MpmOptionsBlocks(options, "stages", "names of the stages, in their order", MPM_OPTIONAL, &count, &names));
   MpmCheckInput(!given || count || MpmOptionsHelp(), "-mpm_stages: the list is empty; a scene without stages has none");
-  scene->stage_count = PetscMax(count, 1);
-  PetscCall(PetscCalloc1(scene->stage_count, &scene->stages));
-  for (PetscInt k = 0; k < count; k++) PetscCall(PetscStrallocpy(names[k], &scene->stages[k].name));
+  scene->stages.count = PetscMax(count, 1);
+  PetscCall(PetscCalloc1(scene->stages.count, &scene->stages.at));
+  for (PetscInt k = 0; k < count; k++) PetscCall(PetscStrallocpy(names[k], &scene->stages.at[k].name));
   PetscCall(MpmNamesDestroy(count, &names));
   PetscCall(ReadActive(scene, options));
   PetscFunctionReturn(PETSC_SUCCESS);

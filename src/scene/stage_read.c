@@ -318,8 +318,8 @@ static PetscErrorCode CheckScheme(const MpmModel model)
   const MpmPhysics *physics = &model->scene.physics;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    MpmCheckInput(!model->scene.stages[k].time.second || (physics->traits & MPM_PHYSICS_STAGES),
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    MpmCheckInput(!model->scene.stages.at[k].time.second || (physics->traits & MPM_PHYSICS_STAGES),
                   "-mpm_time_scheme second: physics %s has nothing that it could do better, must be euler",
                   physics->name);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -335,11 +335,11 @@ static PetscErrorCode CheckBodies(const MpmModel model)
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     was[b]   = PETSC_FALSE;
     there[b] = PETSC_TRUE;
-    for (PetscInt k = 0; k < model->scene.stage_count; k++)
-      if (model->scene.stages[k].adds[b]) there[b] = PETSC_FALSE;
+    for (PetscInt k = 0; k < model->scene.stages.count; k++)
+      if (model->scene.stages.at[k].adds[b]) there[b] = PETSC_FALSE;
   }
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
-    const MpmStage *stage = &model->scene.stages[k];
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+    const MpmStage *stage = &model->scene.stages.at[k];
     PetscInt        left  = 0;
 
     for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
@@ -375,11 +375,11 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
   if (scene.rescue || MpmOptionsHelp()) PetscCall(ReadRelaxation(options, NULL, PETSC_TRUE, &relaxation));
   PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.scheme.parked));
   PetscCall(PetscCalloc1(model->scene.bodies->count, &model->state.scheme.fading));
-  PetscCall(PetscMalloc1(model->scene.stage_count, &model->state.relaxing.ended));
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) model->state.relaxing.ended[k] = -1.;
+  PetscCall(PetscMalloc1(model->scene.stages.count, &model->state.relaxing.ended));
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) model->state.relaxing.ended[k] = -1.;
   model->state.relaxing.first = model->state.relaxing.since = -1.;
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
-    MpmStage *stage = &model->scene.stages[k];
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+    MpmStage *stage = &model->scene.stages.at[k];
 
     PetscCall(PetscMalloc1((model->scene.bodies->count + 1), &stage->material));
     stage->time       = scene;

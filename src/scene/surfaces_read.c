@@ -71,8 +71,8 @@ PetscErrorCode MpmSurfacesAdd(MpmModel model)
   PetscFunctionBeginUser;
   if (!model->scene.surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
   if (model->disc.layout->means) {
-    PetscCall(MpmPhysicsCreate(model->scene.physics.name, &model->scene.plain, &found));
-    kernel = found ? &model->scene.plain.kernels[model->scene.kinematics] : kernel;
+    PetscCall(MpmPhysicsCreate(model->scene.physics.name, &model->scene.stabilization.plain, &found));
+    kernel = found ? &model->scene.stabilization.plain.kernels[model->scene.deformation.kinematics] : kernel;
   }
   PetscCall(MpmDiscretizationAddSurfaces(&model->disc, model->scene.surfaces,
                                          &model->state.acting.loads[model->scene.loads->count], kernel));

@@ -111,7 +111,7 @@ PetscErrorCode MpmSceneTimeRead(MpmModel model, const MpmOptions *options, MpmTi
   MpmMotionDefaults(&control->motion);
   PetscCall(MpmOptionsHeading(&block, "Time"));
   PetscCall(MpmOptionsHas(&block, "step", &given));
-  if (given || !model->scene.stages[0].name || MpmOptionsHelp())
+  if (given || !model->scene.stages.at[0].name || MpmOptionsHelp())
     PetscCall(MpmTimeControlRead(options, "mpm_time_", control));
   else {
     PetscCall(

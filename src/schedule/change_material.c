@@ -59,7 +59,7 @@ static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial 
   PetscReal      state_n[MPM_INITIAL_STATE], state[MPM_INITIAL_STATE], *F = MpmPointF(points, p), J, U[MPM_MAX_DIM];
   int            answer;
 
-  if (model->scene.stretch(F, U)) return 2;
+  if (model->scene.deformation.stretch(F, U)) return 2;
   J = MpmPointJ(points, p);
   CarryState(old, initial->material, dim, size ? &points->state[p * size] : NULL, state_n);
   answer = MpmInitialFind(initial, state_n, &points->stress[p * model->state.particles->stress_size], F, state,
@@ -67,7 +67,7 @@ static int ChangePoint(MpmModel model, const MpmMaterial *old, const MpmInitial 
   if (answer == 2) return 2;
   for (PetscInt k = 0; k < initial->material->state_size; k++) points->state[p * size + k] = state[k];
   for (PetscInt a = 0; points->domain.half_length && a < dim; a++) points->domain.half_length[p * dim + a] *= U[a];
-  if (model->scene.stretch(F, U)) return 2;
+  if (model->scene.deformation.stretch(F, U)) return 2;
   for (PetscInt a = 0; points->domain.half_length && a < dim; a++) points->domain.half_length[p * dim + a] /= U[a];
   points->volume0[p] *= J / MpmPointJ(points, p);
   return answer;

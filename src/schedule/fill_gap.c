@@ -98,7 +98,8 @@ static PetscErrorCode FindFaces(MpmModel model, PetscInt body, const MpmPoints *
     PetscReal       reach[MPM_MAX_DIM], U[MPM_MAX_DIM];
     PetscInt        first[MPM_MAX_DIM], end[MPM_MAX_DIM];
 
-    if (b == body || b >= model->scene.bodies->count || model->scene.stretch(MpmPointF(points, p), U)) continue;
+    if (b == body || b >= model->scene.bodies->count || model->scene.deformation.stretch(MpmPointF(points, p), U))
+      continue;
     MpmBodyHalfLengths(model->scene.bodies->at[b], model->disc.grid, reach);
     for (PetscInt a = 0; a < dim; a++)
       reach[a] = U[a] * (points->domain.half_length ? points->domain.half_length[p * dim + a] : reach[a]);

@@ -48,8 +48,8 @@ static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *res
     const PetscReal *F = MpmPointF(points, p);
     PetscReal        U[MPM_MAX_DIM];
 
-    PetscCheck(!model->scene.stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch",
-               points->id[p]);
+    PetscCheck(!model->scene.deformation.stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP,
+               "point %" PetscInt_FMT " has no stretch", points->id[p]);
     rest->volume[p] = points->volume0[p] * MpmPointJ(points, p);
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal x = points->x[p * dim + a];
@@ -135,8 +135,8 @@ static PetscErrorCode PutBack(MpmModel model, MpmRest *rest)
       for (PetscInt k = 0; k < points.F_size; k++) F[k] = rest->F[p * points.F_size + k];
       for (PetscInt c = 0; c < size; c++) stress[c] *= J;
     } else {
-      PetscCheck(!model->scene.stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP, "point %" PetscInt_FMT " has no stretch",
-                 points.id[p]);
+      PetscCheck(!model->scene.deformation.stretch(F, U), PETSC_COMM_SELF, PETSC_ERR_FP,
+                 "point %" PetscInt_FMT " has no stretch", points.id[p]);
       points.volume0[p] = rest->volume[p] / MpmPointJ(&points, p);
       for (PetscInt a = 0; a < dim; a++) points.domain.half_length[p * dim + a] = rest->domain[p * dim + a] / U[a];
     }
@@ -200,7 +200,7 @@ static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, 
 static void ExplainIterations(MpmModel model, const MpmRest *rest, PetscInt solved, PetscReal first, PetscReal half,
                               MpmOutcome *outcome)
 {
-  const MpmStage *stage = &model->scene.stages[model->state.stage];
+  const MpmStage *stage = &model->scene.stages.at[model->state.stage];
   const PetscReal most = stage->geostatic.tolerance * rest->height, moved = rest->moved;
   char            text[256];
 
@@ -242,7 +242,7 @@ static void ExplainPart(PetscReal part, MpmOutcome *outcome)
 /* Steps until the points are in equilibrium; `solved` counts those under the full loads. */
 static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *solved, MpmOutcome *outcome)
 {
-  const MpmGeostatic *geostatic = &model->scene.stages[model->state.stage].geostatic;
+  const MpmGeostatic *geostatic = &model->scene.stages.at[model->state.stage].geostatic;
   PetscReal           part      = geostatic->method == MPM_GEOSTATIC_K0 ? 1. : 0.; /* of the loads that act */
   PetscReal grow  = PetscMin(model->state.dt.nominal / (model->state.period.end - model->state.period.start), 1.);
   PetscReal first = 0., half = 0.;
@@ -324,7 +324,7 @@ PetscErrorCode MpmGeostaticRun(MpmModel model, MpmOutcome *outcome)
   PetscCall(RestCreate(model, &points, &rest));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   model->state.scheme.water_held = PETSC_TRUE;
-  if (model->scene.stages[model->state.stage].geostatic.method == MPM_GEOSTATIC_K0)
+  if (model->scene.stages.at[model->state.stage].geostatic.method == MPM_GEOSTATIC_K0)
     PetscCall(MpmRestSetK0(model, &rest));
   PetscCall(FindEquilibrium(model, &rest, &solved, outcome));
   model->state.scheme.water_held = PETSC_FALSE;

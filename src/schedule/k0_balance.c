@@ -70,7 +70,7 @@ static int SetStress(MpmModel model, const MpmInitial *initial, const MpmRest *r
   const int      answer = MpmInitialFind(initial, size ? &points->state[p * size] : NULL, stress, F, state,
                                     points->across ? &points->across[p] : NULL);
 
-  if (answer == 2 || model->scene.stretch(F, U)) return 2;
+  if (answer == 2 || model->scene.deformation.stretch(F, U)) return 2;
   for (PetscInt k = 0; k < own; k++) points->state[p * size + k] = state[k];
   for (PetscInt a = 0; a < dim; a++) points->domain.half_length[p * dim + a] = rest->domain[p * dim + a] / U[a];
   points->volume0[p] = rest->volume[p] / MpmPointJ(points, p);
@@ -115,7 +115,7 @@ static PetscErrorCode SetStresses(MpmModel model, MpmRest *rest, const PetscReal
 /* The ratio of every point under the weight above it: that of its body, or its law's. */
 static PetscErrorCode FindRatios(MpmModel model, const MpmPoints *points, const PetscReal pressure[], PetscReal ratio[])
 {
-  const PetscReal *k0   = model->scene.stages[model->state.stage].geostatic.k0;
+  const PetscReal *k0   = model->scene.stages.at[model->state.stage].geostatic.k0;
   const PetscInt   size = model->state.particles->state_size;
   PetscInt        *body;
 
@@ -270,7 +270,7 @@ static PetscErrorCode BalanceCreate(Balance *balance)
     auxiliary->state_size = 0; /* a step would write it */
     auxiliary->table      = NULL;
     auxiliary->varies     = NULL;
-    PetscCheck(MpmLawFindAll("k0_law", (PetscInt)model->scene.kinematics, auxiliary->law, &auxiliary->info),
+    PetscCheck(MpmLawFindAll("k0_law", (PetscInt)model->scene.deformation.kinematics, auxiliary->law, &auxiliary->info),
                PETSC_COMM_SELF, PETSC_ERR_PLIB, "law k0 is not compiled");
     PetscCall(PetscMalloc1(auxiliary->info.parameter_count, &auxiliary->parameter));
     auxiliary->moduli.stiffness = auxiliary->moduli.penalty = BALANCE_MODULUS * balance->rest->largest;
@@ -474,7 +474,7 @@ PetscErrorCode MpmRestSetK0(MpmModel model, MpmRest *rest)
   if (rest->largest > 0.) PetscCall(BalanceK0(model, rest, ratio, stress));
   PetscCall(SetStresses(model, rest, stress, &without));
   MpmCheckInput(!without, "-mpm_stage_%s_geostatic_k0: %" PetscInt64_FMT " points cannot have that stress",
-                model->scene.stages[model->state.stage].name, without);
+                model->scene.stages.at[model->state.stage].name, without);
   PetscCall(PetscFree2(stress, ratio));
   PetscCall(MpmRestKeepMass(model, rest));
   PetscFunctionReturn(PETSC_SUCCESS);

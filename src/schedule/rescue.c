@@ -29,7 +29,7 @@
 
 PetscBool MpmRescueServes(const MpmModel model)
 {
-  return (PetscBool)(model->scene.stages[model->state.stage].time.rescue && MpmCouldRelax(model));
+  return (PetscBool)(model->scene.stages.at[model->state.stage].time.rescue && MpmCouldRelax(model));
 }
 
 /* Extents of the material over cells, the largest of all axes. */
@@ -143,7 +143,7 @@ PetscErrorCode MpmRescueOver(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
 {
   MpmRescuing       *rescuing = &model->state.scheme.rescuing;
   const MpmRelaxing *relaxing = &model->state.relaxing;
-  const PetscInt     most     = model->scene.stages[model->state.stage].relaxation.steps;
+  const PetscInt     most     = model->scene.stages.at[model->state.stage].relaxation.steps;
 
   PetscFunctionBeginUser;
   rescuing->clock += model->disc.sum->dt;
@@ -156,7 +156,7 @@ PetscErrorCode MpmRescueOver(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
                              "the relaxation that goes on to time %.6g has not come to rest in %" PetscInt_FMT
                              " steps: K_F is %.3g and K_E %.3g, with a tolerance of %g",
                              (double)rescuing->end, rescuing->steps, (double)relaxing->force, (double)relaxing->energy,
-                             (double)model->scene.stages[model->state.stage].relaxation.tolerance));
+                             (double)model->scene.stages.at[model->state.stage].relaxation.tolerance));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

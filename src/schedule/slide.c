@@ -59,7 +59,7 @@ static PetscBool MaySlide(const MpmModel model)
 /* True where the stage under way may not slide. */
 static PetscBool MustStand(const MpmModel model)
 {
-  const MpmStage *stage = &model->scene.stages[model->state.stage];
+  const MpmStage *stage = &model->scene.stages.at[model->state.stage];
 
   return (PetscBool)(MaySlide(model) && stage->time.motion.type == MPM_QUASISTATIC &&
                      stage->geostatic.method == MPM_GEOSTATIC_NONE && !stage->reduction.ramp &&

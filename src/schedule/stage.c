@@ -41,8 +41,8 @@
 PetscErrorCode MpmStagesDestroy(MpmModel model)
 {
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; model->scene.stages && k < model->scene.stage_count; k++) {
-    MpmStage *stage = &model->scene.stages[k];
+  for (PetscInt k = 0; model->scene.stages.at && k < model->scene.stages.count; k++) {
+    MpmStage *stage = &model->scene.stages.at[k];
 
     PetscCall(PetscFree(stage->name));
     PetscCall(PetscFree(stage->bcs));
@@ -59,7 +59,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
   }
   for (PetscInt b = 0; model->state.scheme.parked && b < model->scene.bodies->count; b++)
     PetscCall(PetscFree(model->state.scheme.parked[b].data));
-  PetscCall(PetscFree(model->scene.stages));
+  PetscCall(PetscFree(model->scene.stages.at));
   PetscCall(PetscFree(model->state.scheme.parked));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -76,9 +76,9 @@ static PetscErrorCode ParkAbsent(MpmModel model, PetscInt stage)
     PetscBool there = PETSC_TRUE;
     PetscInt  first, end;
 
-    for (PetscInt k = 0; k < model->scene.stage_count; k++) {
-      if (k > stage && model->scene.stages[k].adds[b]) there = PETSC_FALSE;
-      if (k <= stage && model->scene.stages[k].removed[b]) there = PETSC_FALSE;
+    for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+      if (k > stage && model->scene.stages.at[k].adds[b]) there = PETSC_FALSE;
+      if (k <= stage && model->scene.stages.at[k].removed[b]) there = PETSC_FALSE;
     }
     if (there) continue;
     MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
@@ -98,8 +98,8 @@ static PetscErrorCode ReturnAll(MpmModel model)
 /* The stage in which a load first acts; 0 where it never does. */
 static PetscInt FirstStage(const MpmModel model, PetscInt load)
 {
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].loads[load]) return k;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->scene.stages.at[k].loads[load]) return k;
   return 0;
 }
 
@@ -134,7 +134,7 @@ PetscErrorCode MpmStagesAddColumns(MpmModel model, MpmColumns *columns)
   const MpmColumn row = {.name = "stage", .unit = "-", .fill = FillStage};
 
   PetscFunctionBeginUser;
-  if (model->scene.stages[0].name) PetscCall(MpmColumnsAdd(columns, NULL, &row));
+  if (model->scene.stages.at[0].name) PetscCall(MpmColumnsAdd(columns, NULL, &row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -143,7 +143,7 @@ PetscErrorCode MpmStagesSelect(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmReductionCheck(model));
   PetscCall(ClearShares(model));
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) {
     PetscCall(ParkAbsent(model, k));
     for (PetscInt l = 0; l < model->scene.loads->count; l++) {
       if (FirstStage(model, l) == k)
@@ -198,7 +198,7 @@ static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
     if (stage->bcs[b] && !bc->active) bc->start = model->state.period.start;
     bc->active = stage->bcs[b];
     if (!bc->active) continue;
-    PetscCall(MpmConditionGetWalls(&model->scene.bcs->at[b], model->disc.grid, MpmShapeDegree(model->scene.shape),
+    PetscCall(MpmConditionGetWalls(&model->scene.bcs->at[b], model->disc.grid, MpmShapeDegree(model->scene.shape.type),
                                    &walls, &model->state.acting.walls.at[model->state.acting.walls.count]));
     model->state.acting.walls.count += walls;
   }
@@ -222,7 +222,7 @@ static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
 /* Which stage is under way, and how its time runs. */
 static void SetTime(MpmModel model, PetscInt k)
 {
-  const MpmTimeControl *control = &model->scene.stages[k].time;
+  const MpmTimeControl *control = &model->scene.stages.at[k].time;
 
   model->state.stage             = k;
   model->state.scheme.load_scale = 1.;
@@ -239,7 +239,7 @@ static void SetTime(MpmModel model, PetscInt k)
   model->state.scheme.error.accepted = 0.;
   model->state.scheme.load_at_start  = 0.;
   MpmDynamicsSetStage(model);
-  if (model->scene.stages[k].geostatic.method != MPM_GEOSTATIC_NONE) return;
+  if (model->scene.stages.at[k].geostatic.method != MPM_GEOSTATIC_NONE) return;
   if (control->motion.type == MPM_EXPLICIT) {
     model->state.scheme.integrator = &MpmIntegratorExplicit;
     if (!(control->step > 0.)) { /* each step is as long as it may be */
@@ -261,7 +261,7 @@ static void SetTime(MpmModel model, PetscInt k)
 
 PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
 {
-  const MpmStage *stage  = &model->scene.stages[k];
+  const MpmStage *stage  = &model->scene.stages.at[k];
   const PetscReal factor = k ? MpmReductionFactor(model, model->state.time) : 1.;
 
   PetscFunctionBeginUser;
@@ -304,10 +304,10 @@ PetscErrorCode MpmStageResume(MpmModel model)
   for (PetscInt k = 0; k <= stage; k++) {
     if (k) model->state.time = model->state.period.end;
     SetTime(model, k);
-    PetscCall(Activate(model, &model->scene.stages[k]));
+    PetscCall(Activate(model, &model->scene.stages.at[k]));
     for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
-      if (model->scene.stages[k].removed[b]) (void)MpmRemovalBegin(model, &model->scene.stages[k], b);
-      if (!model->scene.stages[k].adds[b]) continue;
+      if (model->scene.stages.at[k].removed[b]) (void)MpmRemovalBegin(model, &model->scene.stages.at[k], b);
+      if (!model->scene.stages.at[k].adds[b]) continue;
       PetscCall(PetscFree(model->state.scheme.parked[b].data));
       model->state.scheme.parked[b].count = 0;
     }

@@ -147,8 +147,8 @@ static void FindMaterials(const MpmModel model, PetscInt stage, PetscInt materia
 {
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     material[b] = -1;
-    for (PetscInt k = 0; k < model->scene.stage_count; k++) {
-      const MpmStage *at = &model->scene.stages[k];
+    for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+      const MpmStage *at = &model->scene.stages.at[k];
 
       if (k > stage ? at->adds[b] : at->removed[b]) material[b] = GONE;
       if (k <= stage && material[b] != GONE && at->material[b] >= 0) material[b] = at->material[b];
@@ -161,8 +161,8 @@ PetscErrorCode MpmReductionCheck(MpmModel model)
   const PetscInt count = model->scene.materials->count;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < model->scene.stage_count; k++) {
-    const MpmStage *stage = &model->scene.stages[k];
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+    const MpmStage *stage = &model->scene.stages.at[k];
     PetscInt       *material;
     PetscReal      *mass, part;
     char            text[512];
@@ -225,7 +225,7 @@ static PetscErrorCode FindSoftness(MpmModel model, const MpmPoints *points, Pets
 static PetscErrorCode FindLimit(MpmModel model, const MpmPoints *points)
 {
   MpmSafety *safety = &model->state.safety;
-  PetscReal  share = model->scene.stages[model->state.stage].reduction.limit, softness = 0.;
+  PetscReal  share = model->scene.stages.at[model->state.stage].reduction.limit, softness = 0.;
 
   PetscFunctionBeginUser;
   if (!(share > 0.)) {
@@ -251,7 +251,7 @@ static PetscErrorCode FindTops(MpmModel model, const MpmPoints *points, PetscRea
     const PetscReal y = points->x[p * dim + axis] * (PetscReal)up;
     PetscReal       half, *highest;
 
-    PetscCheck(!model->scene.stretch(MpmPointF(points, p), U), PETSC_COMM_SELF, PETSC_ERR_FP,
+    PetscCheck(!model->scene.deformation.stretch(MpmPointF(points, p), U), PETSC_COMM_SELF, PETSC_ERR_FP,
                "point %" PetscInt_FMT " has no stretch", points->id[p]);
     half     = points->domain.half_length[p * dim + axis] * U[axis];
     reach[0] = PetscMax(reach[0], y + half);
@@ -317,7 +317,7 @@ static void SeekAnew(MpmModel model)
   MpmSafety *safety = &model->state.safety;
   PetscReal  least, most;
 
-  MpmRampBounds(model->scene.stages[model->state.stage].reduction.ramp, &least, &most);
+  MpmRampBounds(model->scene.stages.at[model->state.stage].reduction.ramp, &least, &most);
   if (least != most || safety->start != most) safety->factor = 0.;
   safety->rate = safety->failed = 0.;
   model->state.scheme.settling  = (MpmSettling){0};
@@ -364,7 +364,7 @@ PetscErrorCode MpmReductionBegin(MpmModel model)
   MpmPoints points;
 
   PetscFunctionBeginUser;
-  if (!model->scene.stages[model->state.stage].reduction.ramp) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!model->scene.stages.at[model->state.stage].reduction.ramp) PetscFunctionReturn(PETSC_SUCCESS);
   SeekAnew(model);
   PetscCall(PrintUnreduced(model));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
@@ -405,7 +405,7 @@ static PetscReal FactorAtLimit(const MpmSafety *before, PetscReal limit, PetscRe
 
 PetscErrorCode MpmReductionObserve(MpmModel model)
 {
-  const MpmReduction *reduction = &model->scene.stages[model->state.stage].reduction;
+  const MpmReduction *reduction = &model->scene.stages.at[model->state.stage].reduction;
   const MpmSafety     before    = model->state.safety;
   MpmSafety          *safety    = &model->state.safety;
   const PetscReal     limit     = before.limit;
@@ -429,7 +429,7 @@ PetscErrorCode MpmReductionObserve(MpmModel model)
 PetscBool MpmReductionBrackets(const MpmModel model, PetscReal next)
 {
   if (!MpmReductionSeeks(model) || model->state.scheme.rescuing.on) return PETSC_FALSE;
-  if (model->scene.stages[model->state.stage].time.motion.type != MPM_QUASISTATIC) return PETSC_FALSE;
+  if (model->scene.stages.at[model->state.stage].time.motion.type != MPM_QUASISTATIC) return PETSC_FALSE;
   return (PetscBool)(MpmReductionFactor(model, next) > model->state.safety.reduced);
 }
 
@@ -460,7 +460,7 @@ PetscBool MpmReductionNarrows(MpmModel model, PetscReal next)
 
   safety->failed = next;
   return (PetscBool)(factor - safety->reduced >
-                     model->scene.stages[model->state.stage].reduction.tolerance * safety->reduced);
+                     model->scene.stages.at[model->state.stage].reduction.tolerance * safety->reduced);
 }
 
 /* F at which the way would pass the limit by the last step's rate: an upper bound, since the rate grows as strength
@@ -472,7 +472,7 @@ static PetscReal FactorByRate(const MpmSafety *safety, PetscReal limit)
 
 PetscErrorCode MpmReductionClose(MpmModel model, PetscReal next, MpmOutcome *outcome)
 {
-  const MpmReduction *reduction = &model->scene.stages[model->state.stage].reduction;
+  const MpmReduction *reduction = &model->scene.stages.at[model->state.stage].reduction;
   MpmSafety          *safety    = &model->state.safety;
   const PetscReal     limit = safety->limit, factor = MpmReductionFactor(model, next);
   const PetscReal     most = FactorByRate(safety, limit);

@@ -33,9 +33,9 @@ PetscInt MpmChangeFieldCount(const MpmModel model)
 {
   const PetscInt dim = model->disc.dim;
 
-  for (PetscInt k = 0; k < model->scene.stage_count; k++)
-    if (model->scene.stages[k].change)
-      return 1 + dim * (dim + 1) / 2 + (model->scene.kinematics == MPM_AXISYMMETRY ? 1 : 0);
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->scene.stages.at[k].change)
+      return 1 + dim * (dim + 1) / 2 + (model->scene.deformation.kinematics == MPM_AXISYMMETRY ? 1 : 0);
   return 0;
 }
 
@@ -64,7 +64,7 @@ void MpmChangeNote(const MpmModel model, PetscReal *const field[], PetscInt p, P
 
 PetscErrorCode MpmChangeAdd(MpmModel model, PetscReal time, PetscReal force[])
 {
-  const MpmStage *stage = &model->scene.stages[model->state.stage];
+  const MpmStage *stage = &model->scene.stages.at[model->state.stage];
   PetscReal       left, *field[MPM_CHANGE_FIELDS];
 
   PetscFunctionBeginUser;

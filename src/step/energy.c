@@ -178,7 +178,7 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work)
 
   PetscFunctionBeginUser;
   if (!model->disc.context.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->scene.stages[model->state.stage].geostatic.method != MPM_GEOSTATIC_NONE)
+  if (model->scene.stages.at[model->state.stage].geostatic.method != MPM_GEOSTATIC_NONE)
     PetscFunctionReturn(PETSC_SUCCESS);
   if (!work->unstrained) sum[0] = MPM_BY_DIM(model->disc.dim, Internal, model);
   if (work->loads) sum[1] = Work(model, local, work->loads, work->u);

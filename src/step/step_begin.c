@@ -30,18 +30,18 @@ static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal t
 /* The ghost penalty is for matrices: a step that solves for nothing has none. */
 static MpmRules Rules(MpmModel model, PetscReal time)
 {
-  const MpmStage         *stage  = &model->scene.stages[model->state.stage];
+  const MpmStage         *stage  = &model->scene.stages.at[model->state.stage];
   const MpmIntegratorType motion = stage->time.motion.type;
   const PetscBool         solves = (PetscBool)!model->state.scheme.integrator->length;
   MpmRules                rules;
 
   rules =
     (MpmRules){.grid           = model->disc.grid,
-               .shape          = model->scene.shape,
-               .edge           = model->scene.edge,
+               .shape          = model->scene.shape.type,
+               .edge           = model->scene.shape.edge,
                .layout         = model->disc.layout,
                .walls          = {model->state.acting.walls.count, model->state.acting.walls.at},
-               .stretch        = solves ? model->scene.stretch : MpmStretchFindQuick(model->disc.dim),
+               .stretch        = solves ? model->scene.deformation.stretch : MpmStretchFindQuick(model->disc.dim),
                .longest        = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
                .parts          = model->disc.material.parts,
                .materials      = model->disc.sum->materials,
@@ -226,7 +226,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
     model->disc.context.surfaces->factor[k]   = StepLoadFactor(model, model->scene.loads->count + k, time);
     model->disc.context.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
   }
-  model->disc.sum->drained            = model->scene.stages[model->state.stage].drained;
+  model->disc.sum->drained            = model->scene.stages.at[model->state.stage].drained;
   model->disc.context.surfaces->still = model->state.scheme.water_held;
   model->disc.context.surfaces->table = model->scene.water;
   model->disc.context.surfaces->open  = model->state.scheme.load_scale;
@@ -242,10 +242,10 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscCall(MpmChangeAdd(model, time, model->disc.nodal.force));
   PetscCall(AddIncoming(model, time, 1. - model->state.scheme.load_at_start, model->state.scheme.load_at_start,
                         model->disc.nodal.force));
-  if (model->scene.body_force) {
+  if (model->scene.body_force.function) {
     const PetscReal at = time - model->state.scheme.load_at_start * model->disc.sum->span;
 
-    PetscCall(MpmBodyForceApply(model->scene.body_force, model->scene.body_force_ctx, at, model->disc.sum,
+    PetscCall(MpmBodyForceApply(model->scene.body_force.function, model->scene.body_force.ctx, at, model->disc.sum,
                                 model->disc.nodal.force));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -56,7 +56,7 @@ static PetscErrorCode FindStill(MpmModel model, PetscReal time, MpmStillWater *s
 
   PetscFunctionBeginUser;
   *still      = (MpmStillWater){.table = table, .time = time, .h = model->disc.grid->h[table->axis]};
-  still->bend = (PetscReal)(MpmShapeDegree(model->scene.shape) - 1) / 24.;
+  still->bend = (PetscReal)(MpmShapeDegree(model->scene.shape.type) - 1) / 24.;
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   still->count = points.count;
   for (PetscInt p = 0; table->there && !table->suction && !still->dry && p < points.count; p++)
@@ -93,8 +93,9 @@ static void MakeLine(const MpmModel model, PetscInt axis, PetscReal x, PetscReal
 
   half     = PetscMax(0., PetscMin(half, 0.5 * (PetscReal)(MPM_MAX_WIDTH - 5)));
   at->line = (MpmShapeLine){.weight = at->weight, .gradient = at->gradient};
-  MpmShapeEvaluate(model->scene.shape, MpmEdgeOf(model->scene.edge, MpmShapeDegree(model->scene.shape), last), xi, half,
-                   0, last, &at->line);
+  MpmShapeEvaluate(model->scene.shape.type,
+                   MpmEdgeOf(model->scene.shape.edge, MpmShapeDegree(model->scene.shape.type), last), xi, half, 0, last,
+                   &at->line);
 }
 
 /* The pressure at a point that has not moved yet, by the scene's shape, Pa, and its gradient. */
@@ -426,7 +427,7 @@ static void PlaceText(const MpmModel model, const PetscReal x[], char text[MPM_W
 
 PetscErrorCode MpmWaterFindTension(MpmModel model, char text[MPM_WATER_TEXT])
 {
-  const MpmStage *stage = &model->scene.stages[model->state.stage];
+  const MpmStage *stage = &model->scene.stages.at[model->state.stage];
   const PetscInt  dim = model->disc.dim, rates = model->disc.layout->rate.count;
   PetscReal       least[1 + MPM_MAX_DIM] = {PETSC_INFINITY};
   char            place[MPM_WATER_TEXT];

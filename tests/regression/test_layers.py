@@ -23,7 +23,10 @@ LAYERS = ("base", "options", "io", "geometry", "point", "grid", "particles", "sp
 KERNELS = ("materials", "physics")
 ENGINE_KERNELS = ("src/point/k0_law.c", "src/point/stretch.c")  # compiled like a law, once for each number of directions
 GENERATED = re.compile(r"mpm_\w+\.h")
-FUNCTION_LINES, FUNCTION_ARGUMENTS, STRUCT_MEMBERS, FILE_LINES, FOLDER_LINES = 60, 7, 30, 800, 4000
+FUNCTION_LINES, FUNCTION_ARGUMENTS, STRUCT_MEMBERS, FILE_LINES, FOLDER_LINES = 60, 7, 20, 600, 4000
+NEAR, NEAR_COUNT = 0.9, 3  # of a kind, so many at most have more than this share of their bound
+DIMENSION, DIMENSIONS = re.compile(r"dim == [23]"), 40  # comparisons of the dimension in src/
+WEIGHTS = r"shape\[0\]|basis->basis"  # of shape functions, which the space alone reads
 CALL_CIRCLE = 3  # files that call each other in a circle
 SHARE = 1 / 3  # of the .c files of src/: as many may see a header, by whatever way; base/ is what all stand on
 # a term by its place or address, a physics by its name; a reason in the solver's memory, a shallow copy of a model
@@ -178,12 +181,15 @@ def check_sizes(sources):
 
 
 def print_nearest(sources):
-    """The ten of each kind that are nearest to their bound."""
+    """The ten of each kind that are nearest to their bound; how many are near, by kind."""
     found = list(sizes(sources))
+    near = {}
     for kind in ("file", "function", "struct", "folder"):
         nearest = sorted((entry for entry in found if entry[0] == kind), key=lambda entry: -entry[1] / bound(kind))[:10]
+        near[kind] = sum(entry[1] > NEAR * bound(kind) for entry in nearest)
         print(f"nearest to the bound of a {kind}:", ", ".join(
             f"{path}{'' if name.startswith('the ') else ' ' + name} {size} of {bound(kind)}" for _, size, path, name in nearest))
+    return near
 
 
 def read_objects(build):
@@ -310,7 +316,11 @@ def main():
         test.check("files", len(compiled), lower=60)
         test.check("files_without_object", len(set(compiled) - objects.keys()), upper=0)
         faults = list(find_faults(sources, objects))
-        print_nearest(sources)
+        for kind, count in print_nearest(sources).items():
+            test.check(f"near_{kind}", count, upper=NEAR_COUNT)
+        engine = {path: text for path, text in sources.text.items() if path.startswith("src/")}
+        test.check("dimensions", sum(len(DIMENSION.findall(text)) for text in engine.values()), upper=DIMENSIONS)
+        test.check("weights", sum(len(re.findall(WEIGHTS, text)) for path, text in engine.items() if not path.startswith("src/space/")), upper=0)
         for fault in faults:
             print(f"{fault.path}: {fault.text}")
         for kind in ("include", "circle", "symbol", "home", "share", "function", "arguments", "struct", "file", "folder", "calls",

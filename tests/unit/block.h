@@ -53,9 +53,10 @@ static inline PetscReal BlockPower(PetscInt node, PetscInt power)
 /* Coefficient of a node on one axis in a spline with powers as coefficients; at a not-a-knot end the spline's value. */
 static inline PetscReal BlockCoefficient(MpmModel model, PetscInt node, PetscInt cells, PetscInt power)
 {
-  const PetscInt degree = MpmShapeDegree(model->scene.shape);
+  const PetscInt degree = MpmShapeDegree(model->scene.shape.type);
 
-  if (model->scene.edge == MPM_EDGE_LINEAR || degree == 1 || (node > 0 && node < cells)) return BlockPower(node, power);
+  if (model->scene.shape.edge == MPM_EDGE_LINEAR || degree == 1 || (node > 0 && node < cells))
+    return BlockPower(node, power);
   if (degree == 2)
     return (BlockPower(node - 1, power) + 6. * BlockPower(node, power) + BlockPower(node + 1, power)) / 8.;
   return (BlockPower(node - 1, power) + 4. * BlockPower(node, power) + BlockPower(node + 1, power)) / 6.;

@@ -53,9 +53,10 @@ static PetscReal Power(PetscInt node, PetscInt power)
    value. */
 static PetscReal Coefficient(MpmModel model, PetscInt node, PetscInt cells, PetscInt power)
 {
-  const PetscInt degree = MpmShapeDegree(model->scene.shape);
+  const PetscInt degree = MpmShapeDegree(model->scene.shape.type);
 
-  if (model->scene.edge == MPM_EDGE_LINEAR || degree == 1 || (node > 0 && node < cells)) return Power(node, power);
+  if (model->scene.shape.edge == MPM_EDGE_LINEAR || degree == 1 || (node > 0 && node < cells))
+    return Power(node, power);
   if (degree == 2) return (Power(node - 1, power) + 6. * Power(node, power) + Power(node + 1, power)) / 8.;
   return (Power(node - 1, power) + 4. * Power(node, power) + Power(node + 1, power)) / 6.;
 }

@@ -71,9 +71,10 @@ static PetscReal Power(PetscInt node, PetscInt power)
    value. */
 static PetscReal Coefficient(MpmModel model, PetscInt node, PetscInt cells, PetscInt power)
 {
-  const PetscInt degree = MpmShapeDegree(model->scene.shape);
+  const PetscInt degree = MpmShapeDegree(model->scene.shape.type);
 
-  if (model->scene.edge == MPM_EDGE_LINEAR || degree == 1 || (node > 0 && node < cells)) return Power(node, power);
+  if (model->scene.shape.edge == MPM_EDGE_LINEAR || degree == 1 || (node > 0 && node < cells))
+    return Power(node, power);
   if (degree == 2) return (Power(node - 1, power) + 6. * Power(node, power) + Power(node + 1, power)) / 8.;
   return (Power(node - 1, power) + 4. * Power(node, power) + Power(node + 1, power)) / 6.;
 }
@@ -121,7 +122,7 @@ static void CheckPolynomials(const char *const factor[])
       SCENE_CALL(Create(dim, shapes[s], factor[dim - 2], &model));
       SCENE_CALL(Shift(model, 0.3));
       SCENE_CALL(SceneBegin(model, 0.25));
-      degree = MpmShapeDegree(model->scene.shape);
+      degree = MpmShapeDegree(model->scene.shape.type);
       ck_assert_msg(SceneAll((PetscBool)(model->disc.space->boxes.faces.count > 0 || model->size > 1)),
                     "%s has no faces", shapes[s]);
       SCENE_CALL(Forces(model, degree, &polynomial, &random));

@@ -296,7 +296,7 @@ static void Check(MpmModel model, const Law *law, PetscInt held, PetscReal plast
   const unsigned traits = model->scene.materials->at[0].info.traits;
   char           name[200];
 
-  snprintf(name, sizeof(name), "%dD %s %s %s", (int)model->disc.dim, MpmShapeTypes[model->scene.shape], law->name,
+  snprintf(name, sizeof(name), "%dD %s %s %s", (int)model->disc.dim, MpmShapeTypes[model->scene.shape.type], law->name,
            variant_names[held]);
   ck_assert_msg(verdict->norm > 0., "%s: the Jacobian is empty", name);
   ck_assert_msg(verdict->coloring <= 1e-14, "%s: local and coloured Jacobian differ by %g", name,
@@ -389,7 +389,7 @@ START_TEST(open_edges)
         PetscReal    plastic;
 
         SCENE_CALL(Create(dim, MpmShapeTypes[shape], law, variants[v], &model));
-        ck_assert_int_eq(model->scene.edge, MPM_EDGE_OPEN);
+        ck_assert_int_eq(model->scene.shape.edge, MPM_EDGE_OPEN);
         SCENE_CALL(Look(model, law, 0., &plastic, &verdict));
         Check(model, law, variants[v], plastic, &verdict);
         SCENE_CALL(SceneDestroy(&model));
