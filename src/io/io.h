@@ -1,7 +1,7 @@
 #pragma once
 /*
-  Results of a run: points in HDF5 with an XDMF index, the history as CSV, the summary as JSON. These objects are
-  independent of the model: their arguments are names and arrays.
+  Results of a run: points in HDF5 with an XDMF index and a VTKHDF file, the history as CSV, the summary as JSON. These
+  objects are independent of the model: their arguments are names and arrays.
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -90,7 +90,7 @@ PetscErrorCode MpmStateWrite(MPI_Comm comm, const MpmStateFile *state, const Mpm
 PetscErrorCode MpmNumberRows(MPI_Comm comm, PetscInt count, const PetscInt id[], PetscInt row[], PetscInt *largest);
 
 /*
-  MpmOutputCreate - the writer of <prefix>.h5 and <prefix>.xdmf; creates no file yet
+  MpmOutputCreate - the writer of <prefix>.h5, <prefix>.xdmf and <prefix>.vtkhdf; creates no file yet
 
   MpmOutputWrite - append the group /points/<step, six digits> with attributes time and step
 
@@ -109,14 +109,17 @@ PetscErrorCode MpmNumberRows(MPI_Comm comm, PetscInt count, const PetscInt id[],
   The index then holds the grid as a second collection, and <prefix>_grid.xdmf holds it alone, for programs that read
   one mesh a file.
 
-  Collective. The first write truncates the files. A write that fails ends with PETSC_ERR_FILE_WRITE and one line naming
-  the file.
+  MpmOutputFinish - write <prefix>.vtkhdf, all states of the points for VTK, by reference into <prefix>.h5
+
+  Collective. The first write truncates the files, and removes a <prefix>.vtkhdf of an earlier run. A write that fails
+  ends with PETSC_ERR_FILE_WRITE and one line naming the file.
 */
 PetscErrorCode MpmOutputCreate(MPI_Comm comm, const char *prefix, MpmOutput *output);
 PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, PetscInt count, const PetscInt id[],
                               PetscInt dataset_count, const MpmDataset datasets[]);
 PetscErrorCode MpmOutputWriteGrid(MpmOutput output, PetscInt step, PetscReal time, const MpmTable *nodes,
                                   const MpmTable *cells);
+PetscErrorCode MpmOutputFinish(MpmOutput output);
 /* Further states get the attribute velocities_behind, s, unless it is 0. */
 PetscErrorCode MpmOutputSetBehind(MpmOutput output, PetscReal behind);
 /* Reals in single precision. */

@@ -1,16 +1,19 @@
 /*
-  MpmOutput - states in HDF5, one group a state, and their XDMF index.
+  MpmOutput - states in HDF5, one group a state, their XDMF index, and a VTKHDF file.
 
-  Create, Write once a state, Destroy.
+  Create, Write once a state, Finish, Destroy.
 */
+#include <errno.h>
 #include <string.h>
+#include <unistd.h>
 #include "base/base.h"
 #include "io/io.h"
+#include "io/vtkhdf.h"
 #include "io/xdmf.h"
 
 struct _p_MpmOutput {
   MPI_Comm    comm;
-  char       *h5_path, *xdmf_path, *grid_path;
+  char       *h5_path, *xdmf_path, *grid_path, *vtk_path;
   MpmTextFile grids;      /* rank 0: the index of points so far */
   MpmTextFile lattices;   /* and of the background grid */
   PetscBool   started;    /* the files exist */
@@ -42,6 +45,7 @@ PetscErrorCode MpmOutputCreate(MPI_Comm comm, const char *prefix, MpmOutput *out
   PetscCall(CreatePath(prefix, ".h5", &(*output)->h5_path));
   PetscCall(CreatePath(prefix, ".xdmf", &(*output)->xdmf_path));
   PetscCall(CreatePath(prefix, "_grid.xdmf", &(*output)->grid_path));
+  PetscCall(CreatePath(prefix, ".vtkhdf", &(*output)->vtk_path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -82,6 +86,7 @@ PetscErrorCode MpmOutputDestroy(MpmOutput *output)
   PetscCall(PetscFree((*output)->grid_path));
   PetscCall(PetscFree((*output)->h5_path));
   PetscCall(PetscFree((*output)->xdmf_path));
+  PetscCall(PetscFree((*output)->vtk_path));
   PetscCall(PetscFree(*output));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -106,6 +111,19 @@ static PetscErrorCode CheckDatasets(MPI_Comm comm, PetscInt dataset_count, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Removes the VTKHDF file of an earlier run, whose states the results file does not have. */
+static PetscErrorCode RemoveStale(MpmOutput output)
+{
+  PetscMPIInt rank;
+  int         failure = 0;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(output->comm, &rank));
+  if (!rank && unlink(output->vtk_path) && errno != ENOENT) failure = errno;
+  PetscCall(MpmFileCheck(output->comm, output->vtk_path, failure));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Rows as a group of the file. */
 static PetscErrorCode WriteTable(MpmOutput output, const char *group, PetscInt step, PetscReal time,
                                  const MpmTable *table, MpmStateView *view)
@@ -123,6 +141,8 @@ static PetscErrorCode WriteTable(MpmOutput output, const char *group, PetscInt s
                               .slab            = output->slab};
 
   PetscFunctionBeginUser;
+  *view = (MpmStateView){0};
+  if (!output->started) PetscCall(RemoveStale(output));
   PetscCall(MpmStateWrite(output->comm, &state, table, view));
   output->started = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -224,6 +244,13 @@ PetscErrorCode MpmOutputWriteGrid(MpmOutput output, PetscInt step, PetscReal tim
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmOutputFinish(MpmOutput output)
+{
+  PetscFunctionBeginUser;
+  if (output->started) PetscCall(MpmVtkHdfWrite(output->comm, output->vtk_path, output->h5_path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- continuing files that exist ---- */
 
 PetscBool MpmOutputStarted(MpmOutput output)
@@ -247,6 +274,7 @@ PetscErrorCode MpmOutputContinue(MpmOutput output, const char *index, const char
 
   PetscFunctionBeginUser;
   output->started = PETSC_TRUE;
+  PetscCall(RemoveStale(output));
   PetscCallMPI(MPI_Bcast(&grid, 1, MPM_MPI_BOOL, 0, output->comm));
   if (index) PetscCall(MpmTextFileAppend(&output->grids, "%s", index));
   if (grid_index) PetscCall(MpmTextFileAppend(&output->lattices, "%s", grid_index));

@@ -204,6 +204,7 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
     PetscCall(MpmModelWriteState(model));
     if (step) PetscCall(WriteStep(model));
   }
+  if (results->states.file) PetscCall(MpmOutputFinish(results->states.file));
   if (why) {
     PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,
                               (double)model->state.time, why));
