@@ -21,7 +21,7 @@ static PetscErrorCode Forget(void)
 
 const MpmContactBodyType *MpmContactBodyTypeAt(PetscInt k)
 {
-  return k < registry.count ? &registry.type[k] : NULL;
+  return k >= 0 && k < registry.count ? &registry.type[k] : NULL;
 }
 
 PetscErrorCode MpmContactBodyRegister(const MpmContactBodyType *type)
