@@ -737,7 +737,7 @@ START_TEST(empty_ranks)
   MpmModel                 model, alone;
   PetscInt                 count, busy;
   int                      status  = -1;
-  static const char *const files[] = {".h5", ".xdmf", "_history.csv", "_options.yaml", "_summary.json"};
+  static const char *const files[] = {".h5", ".xdmf", ".vtkhdf", "_history.csv", "_options.yaml", "_summary.json"};
 
   if (!my_rank) ck_assert_ptr_nonnull(mkdtemp(directory));
   SCENE_CALL(MPI_Bcast(directory, sizeof(directory), MPI_CHAR, 0, PETSC_COMM_WORLD));
