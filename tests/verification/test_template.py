@@ -66,9 +66,9 @@ def in_tree(test, build, top):
     cache = dict(re.findall(r"^(\w+):\w+=(.*)$", (build / "CMakeCache.txt").read_text(), re.MULTILINE))
     must(test, "configure", ["cmake", "-G", "Unix Makefiles", "-S", sources, "-B", own, "-DTALUS_TESTS=OFF",
                              *(f"-D{key}={cache[key]}" for key in KEPT if cache.get(key))], top)
-    for file in (f"materials/{NAME}", "src/point/material", "src/run/main"):
+    for file in (f"materials/{NAME}", "src/point/registry", "src/run/main"):
         must(test, f"compile {file}", ["make", "-C", own, "-j2", f"{file}.o"], own)
-    objects = [path for path in own.rglob("*.o") if path.name in (f"{NAME}.c.o", "material.c.o")]
+    objects = [path for path in own.rglob("*.o") if path.name in (f"{NAME}.c.o", "registry.c.o")]
     test.check("instances", len([path for path in objects if path.name == f"{NAME}.c.o"]), 12, 12)
     link = (own / "CMakeFiles" / "talus.dir" / "link.txt").read_text().split()
     place = link.index("libtalus.a")
