@@ -196,6 +196,8 @@ typedef struct MpmSummary {
   PetscReal memory_max;                /* bytes, sum over ranks of each rank's maximum resident size */
 } MpmSummary;
 
+/* Largest resident size of this process so far, bytes. */
+PetscReal MpmProcessMemory(void);
 /* Makes one account of the ranks' own: times become the maximum over ranks, memory_max the sum of the processes'
    resident maxima as the
    system has them now. Collective. */

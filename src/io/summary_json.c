@@ -6,8 +6,7 @@
 #include "base/base.h"
 #include "io/io.h"
 
-/* Largest resident size of this process so far, bytes. */
-static PetscReal ProcessMemory(void)
+PetscReal MpmProcessMemory(void)
 {
   struct rusage usage;
 
@@ -21,7 +20,7 @@ static PetscReal ProcessMemory(void)
 
 PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary)
 {
-  const PetscReal memory = ProcessMemory();
+  const PetscReal memory = MpmProcessMemory();
 
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, summary->time, MPM_TIME_COUNT, MPIU_REAL, MPIU_MAX, comm));

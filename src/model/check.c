@@ -2,7 +2,7 @@
   `talus check`: what a scene comes to. The first step is taken in memory, without any file, for its unknowns, its time
   and whether it converges.
 */
-#include <sys/resource.h>
+#include "io/io.h"
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "particles/body.h"
@@ -71,18 +71,6 @@ static PetscReal PlannedSteps(const MpmModel model, PetscReal dt)
     else steps += PetscCeilReal(stage->time.end / step * (1. - 1e-12));
   }
   return steps;
-}
-
-/* Largest memory of the processes so far, in all, bytes. */
-static PetscErrorCode Memory(MPI_Comm comm, PetscReal *bytes)
-{
-  struct rusage usage;
-
-  PetscFunctionBeginUser;
-  (void)getrusage(RUSAGE_SELF, &usage);
-  *bytes = 1024. * (PetscReal)usage.ru_maxrss;
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, bytes, 1, MPIU_REAL, MPIU_SUM, comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- lines ---- */
@@ -221,14 +209,14 @@ static PetscErrorCode PrintSizes(MpmModel model, PetscReal seconds)
 {
   const PetscReal steps = PlannedSteps(model, model->state.time);
   char            text[256], duration[MPM_DURATION_TEXT];
-  PetscReal       memory;
+  PetscReal       memory = MpmProcessMemory();
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(text, sizeof(text), "%" PetscInt64_FMT, model->state.particles->total));
   PetscCall(PrintLine(model->comm, "points", "", text));
   PetscCall(PetscSNPrintf(text, sizeof(text), "%" PetscInt_FMT, model->disc.space->number.unknowns));
   PetscCall(PrintLine(model->comm, "unknowns", "", text));
-  PetscCall(Memory(model->comm, &memory));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &memory, 1, MPIU_REAL, MPIU_SUM, model->comm));
   PetscCall(PetscSNPrintf(text, sizeof(text), "%.0f MB on %d rank%s", (double)(memory / 1e6), model->size,
                           model->size > 1 ? "s" : ""));
   PetscCall(PrintLine(model->comm, "memory", "", text));

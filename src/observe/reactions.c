@@ -67,7 +67,13 @@ static PetscErrorCode AddMotion(MpmModel model, PetscInt m, MpmColumns *columns)
   const MpmBodyMotion *motion = &model->scene.motions->at[m];
   const char          *parts[MPM_MAX_BLOCK];
   const MpmColumn      row = {
-         .name = "reaction", .unit = "N", .count = motion->component_count, .parts = parts, .fill = FillMotion, .index = m};
+         .name  = "reaction",
+         .unit  = "N",
+         .count = motion->component_count,
+         .parts = parts,
+         .fill  = FillMotion,
+         .index = m,
+  };
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < motion->component_count; k++) parts[k] = MpmAxisParts[motion->component[k]];
