@@ -8,6 +8,7 @@ packages=(
   petsc-dev libhypre-dev libmumps-dev libmetis-dev liblapack-dev libhdf5-openmpi-dev libyaml-dev libopenmpi-dev openmpi-bin libopenblas0-serial
   libembree-dev
   python3 python3-numpy python3-h5py python3-yaml python3-matplotlib python3-jsonschema mandoc
+  python3-sphinx python3-myst-parser furo python3-pil
   python3-pandas python3-scipy python3-pip python3-venv python3-nbclient python3-ipykernel mypy
 )
 
