@@ -3,13 +3,13 @@ and the void ratio against the logarithm of p, beside measurements where there a
 
 plot.py does it by itself for such a run; measurements are a CSV file with columns of the history's names and signs.
 """
-import csv
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import LogFormatter
 
 from results import ResultsError, von_mises
+from tables import TableError, read_rows, read_table
 
 COLUMNS = ("strain_yy", "strain_xy", "p", "q", "eps_v", "e")
 RUN = {"linewidth": 1.8, "color": "C0", "label": "Talus"}
@@ -26,24 +26,14 @@ def is_laboratory(results):
 
 
 def read_measurements(path):
-    """The columns of a CSV file that are drawn, written as the program's own tables may be (docs/scene.md); lines that start with #
-    are remarks, empty cells are no numbers."""
+    """The columns of a CSV file that are drawn; other ones may hold anything."""
     try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            lines = [line for line in file if not line.startswith("#") and line.strip(" \t\r\n;,")]
-        separator = next((mark for mark in ";,\t" if mark in lines[0]), " ")
-        names, *rows = csv.reader(lines, delimiter=separator, skipinitialspace=True)
-        names = [name.strip().lower() for name in names]
-        known = [name for name in COLUMNS if name in names]
-        twice = [name for name in known if names.count(name) > 1]
-        if twice:
-            raise ValueError(f"column {twice[0]} is there twice")
-        columns = {name: np.array([float(row[names.index(name)].replace(",", ".") or "nan") for row in rows]) for name in known}
-    except (OSError, ValueError, TypeError, IndexError) as error:
-        raise ResultsError(f"{path}: no table of numbers with a line of names: {error}") from error
-    if not columns:
-        raise ResultsError(f"{path}: has none of the columns {', '.join(COLUMNS)}")
-    return columns
+        table = read_table(path, COLUMNS)
+    except TableError as error:
+        raise ResultsError(str(error)) from error
+    if not table:
+        raise ResultsError(f"{path}: has none of the columns {', '.join(COLUMNS)}; there are {', '.join(read_rows(path)[0])}")
+    return table
 
 
 def void_ratio(results, history):

@@ -35,7 +35,10 @@ static PetscErrorCode CheckNames(const MpmCsvTable *table, PetscInt dim, char me
   PetscInt found = 0;
 
   PetscFunctionBeginUser;
-  if (MpmCsvTableFind(table, "time") < 0) PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no column time"));
+  if (MpmCsvTableFind(table, "time") < 0) {
+    PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no column time"));
+    PetscCall(MpmCsvTableNames(table, message));
+  }
   for (PetscInt c = 0; c < table->columns && !message[0]; c++) {
     PetscBool known = (PetscBool)!strcasecmp(table->name[c], "time");
 

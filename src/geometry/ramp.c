@@ -218,8 +218,10 @@ static PetscErrorCode TakeTable(const char *path, PetscBool record, MpmRamp ramp
   PetscCall(MpmCsvTableRead(path, &table, message));
   time  = MpmCsvTableFind(&table, "time");
   value = MpmCsvTableFind(&table, "value");
-  if (!message[0] && (time < 0 || value < 0 || table.columns != 2))
+  if (!message[0] && (time < 0 || value < 0 || table.columns != 2)) {
     PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "must have the columns time and value"));
+    PetscCall(MpmCsvTableNames(&table, message));
+  }
   if (!message[0] && !table.rows) PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no rows"));
   if (!message[0] && record && table.rows < 2)
     PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has a single row: a record has two at least"));

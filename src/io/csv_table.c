@@ -261,6 +261,16 @@ PetscInt MpmCsvTableFind(const MpmCsvTable *table, const char *name)
   return -1;
 }
 
+PetscErrorCode MpmCsvTableNames(const MpmCsvTable *table, char message[MPM_CSV_MESSAGE])
+{
+  PetscFunctionBeginUser;
+  for (PetscInt c = 0; c < table->columns; c++) {
+    PetscCall(PetscStrlcat(message, c ? ", " : table->columns > 1 ? "; there are " : "; there is ", MPM_CSV_MESSAGE));
+    PetscCall(PetscStrlcat(message, table->name[c], MPM_CSV_MESSAGE));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmCsvTableDestroy(MpmCsvTable *table)
 {
   PetscFunctionBeginUser;

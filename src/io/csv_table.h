@@ -19,5 +19,7 @@ PetscErrorCode MpmCsvTableRead(const char *path, MpmCsvTable *table, char messag
 /* The whole file as text, to be freed: line feeds at ends of lines, no byte-order mark; `message` as above. */
 PetscErrorCode MpmTextRead(const char *path, char **text, char message[MPM_CSV_MESSAGE]);
 /* The column of that name, case aside, or -1. */
-PetscInt       MpmCsvTableFind(const MpmCsvTable *table, const char *name);
+PetscInt MpmCsvTableFind(const MpmCsvTable *table, const char *name);
+/* Appends the names that are there to a message of a missing column: "; there are time, load". */
+PetscErrorCode MpmCsvTableNames(const MpmCsvTable *table, char message[MPM_CSV_MESSAGE]);
 PetscErrorCode MpmCsvTableDestroy(MpmCsvTable *table);

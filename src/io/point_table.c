@@ -283,6 +283,7 @@ static PetscErrorCode Know(MpmPointFile file, const char *name)
 PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt components, MpmNeed need,
                                PetscReal **values)
 {
+  char     there[MESSAGE_LENGTH] = "";
   PetscInt found;
   char   **names;
 
@@ -303,8 +304,12 @@ PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt
     MpmCheckInput(!found || found == components, "-%sfile %s: %s needs the columns %s to %s, %d of the %d are there",
                   file->prefix, file->path, quantity, names[0], names[components - 1], (int)found, (int)components);
   }
-  MpmCheckInput(found || need == MPM_OPTIONAL, "-%sfile %s: there is no %s", file->prefix, file->path,
-                file->group >= 0 ? quantity : names[0]);
+  if (!found && need == MPM_REQUIRED) {
+    PetscCall(MpmCsvTableNames(&file->csv, there));
+    PetscCallMPI(MPI_Bcast(there, MESSAGE_LENGTH, MPI_CHAR, 0, file->comm));
+  }
+  MpmCheckInput(found || need == MPM_OPTIONAL, "-%sfile %s: there is no %s%s", file->prefix, file->path,
+                file->group >= 0 ? quantity : names[0], there);
   for (PetscInt k = 0; k < components; k++) PetscCall(PetscFree(names[k]));
   PetscCall(PetscFree(names));
   if (found) PetscCall(CheckFinite(file, quantity, components, *values));

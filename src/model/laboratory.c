@@ -298,7 +298,8 @@ static PetscErrorCode FollowRow(MpmModel model, PetscInt row, PetscBool *interru
     while (model->state.time < target) {
       PetscCall(Advance(model, target, nominal, &dt));
       if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS);
-      PetscCall(MpmModelWriteHistory(model, dt));
+      model->results->dt = dt;
+      PetscCall(MpmModelWriteHistory(model));
       PetscCall(MpmTerminalStep(model, dt));
       PetscCall(IsInterrupted(model, interrupted));
       if (*interrupted) PetscFunctionReturn(PETSC_SUCCESS);
@@ -328,6 +329,7 @@ PetscErrorCode MpmLaboratoryRun(MpmModel model, int *status)
                               (double)model->state.time, outcome->text));
   PetscCall(MpmModelWriteSummary(model, outcome->code ? outcome->text : interrupted ? "interrupted" : "completed"));
   if (model->caller.terminal) PetscCall(MpmOptionsWarnUnused(&options, MPM_AT_END));
+  if (interrupted) PetscCall(MpmTerminalInterrupted(model));
   *status = outcome->code ? MPM_EXIT_GAVEUP : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -459,6 +459,7 @@ static PetscErrorCode ReadScene(MpmModel model)
   PetscCall(PetscFree(kind));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsCheckUnknown(&options, &warning));
+  if (model->caller.terminal) PetscCall(MpmForeignOptionsCheckNames(model->record));
   if (warning) PetscCall(MpmTerminalWarn(model, "warning: %s", warning));
   PetscCall(PetscFree(warning));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));

@@ -176,13 +176,22 @@ static PetscErrorCode Report(MpmModel model, PetscReal dt)
   char boils[MPM_WATER_TEXT];
 
   PetscFunctionBeginUser;
-  if (model->state.step % model->results->history_every == 0 || AtEnd(model))
-    PetscCall(MpmModelWriteHistory(model, dt));
+  model->results->dt = dt;
+  if (model->state.step % model->results->history_every == 0 || AtEnd(model)) PetscCall(MpmModelWriteHistory(model));
   PetscCall(MpmTerminalStep(model, dt));
   PetscCall(MpmWaterFindTension(model, boils));
   if (boils[0]) PetscCall(MpmTerminalWarn(model, "%s", boils));
   if (model->solver.iterations.linear_total) PetscCall(WarnUnused(model, MPM_AFTER_SOLVE));
   PetscCall(WriteDue(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The row of the last step, where it was not due. A step that failed has overwritten the nodal data that it needs. */
+static PetscErrorCode WriteLastRow(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  if (model->results->history_step < model->state.step && model->disc.nodal.committed)
+    PetscCall(MpmModelWriteHistory(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -200,6 +209,7 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
   gone = model->state.particles->gone;
   step = (PetscBool)(results->states.file && (!IsDue(model) || !MpmOutputStarted(results->states.file)));
   if ((why || model->caller.stop) && !gone) PetscCall(MpmCheckpointWrite(model));
+  if (!gone) PetscCall(WriteLastRow(model));
   if (!interrupted && results->states.every && results->states.step != model->state.step && !gone) {
     PetscCall(MpmModelWriteState(model));
     if (step) PetscCall(WriteStep(model));
@@ -227,6 +237,7 @@ static PetscErrorCode Run(MpmModel model)
   MpmOutcomeClear(&model->caller.outcome);
   PetscCall(MpmTerminalBegin(model, NULL));
   PetscCall(OpenResults(model));
+  model->results->history_step = model->state.step;
   PetscCall(MpmCheckpointStep(model, &interrupted));
   while (!interrupted && !model->caller.stop && !AtEnd(model)) {
     const PetscInt before = model->state.step;
@@ -241,6 +252,7 @@ static PetscErrorCode Run(MpmModel model)
   if (AtEnd(model)) model->caller.stop = PETSC_FALSE;
   PetscCall(Finish(model, interrupted));
   PetscCall(MpmModelViewFromOptions(model));
+  if (interrupted) PetscCall(MpmTerminalInterrupted(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -162,16 +162,16 @@ PetscErrorCode MpmModelCreateHistory(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt)
+PetscErrorCode MpmModelWriteHistory(MpmModel model)
 {
   MpmResults    *results = model->results;
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
-  results->dt = dt;
   PetscCall(MpmColumnsFill(&results->columns, model, results->history_row));
   PetscCall(MpmHistoryAppend(results->history, results->history_row));
+  results->history_step = model->state.step;
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

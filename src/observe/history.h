@@ -20,4 +20,4 @@ PetscErrorCode MpmHistoryResume(MpmModel model, const char *path, PetscInt numbe
                                 const char *const names[], MpmHistory *table);
 /* The history of a scene on a grid, with the files of its lines; and the row of a step. */
 PetscErrorCode MpmModelCreateHistory(MpmModel model);
-PetscErrorCode MpmModelWriteHistory(MpmModel model, PetscReal dt);
+PetscErrorCode MpmModelWriteHistory(MpmModel model);

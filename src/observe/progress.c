@@ -168,6 +168,18 @@ PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmTerminalInterrupted(MpmModel model)
+{
+  const PetscBool goes_on = (PetscBool)(model->results->checkpoint.step >= 0);
+
+  PetscFunctionBeginUser;
+  if (MpmTerminalShows(model))
+    PetscCall(PetscPrintf(model->comm, "interrupted after step %" PetscInt_FMT " at time %g%s%s%s\n", model->state.step,
+                          (double)model->state.time, goes_on ? "; talus " : "", goes_on ? model->scene.name.prefix : "",
+                          goes_on ? "_restart.yaml goes on from there" : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTerminalMessage(void *ctx, PetscBool line, const char text[])
 {
   const MpmModel model = (MpmModel)ctx;

@@ -46,6 +46,8 @@ PetscErrorCode MpmTerminalWarn(MpmModel model, const char format[], ...) PETSC_A
    steps. */
 PetscErrorCode MpmTerminalBegin(MpmModel model, const char *what);
 PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt);
+/* The last line of a run that a signal has ended. */
+PetscErrorCode MpmTerminalInterrupted(MpmModel model);
 /* The table of where the time went, and the sizes, for the terminal. */
 PetscErrorCode MpmTerminalSummary(MPI_Comm comm, const MpmSummary *summary);
 /* The listener to the model's monitor. */
@@ -79,9 +81,10 @@ struct MpmResults {
   MpmWrittenStates states;
   MpmHistory       history;
   PetscInt         history_every; /* steps between its rows */
+  PetscInt         history_step;  /* of its last row */
   MpmColumns       columns;       /* of the history */
   PetscReal       *history_row;
-  PetscReal        dt; /* s, of the step that the row is of */
+  PetscReal        dt; /* s, of the last step */
   MpmAdded         added;
   PetscReal        start;
   PetscBool        quiet;

@@ -112,6 +112,8 @@ PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscB
   blocks that a later list leaves out, NULL for none; free with PetscFree().
 */
 PetscErrorCode MpmOptionsCheckUnknown(const MpmOptions *options, char **warning);
+/* Refuses, with the nearest name, a user's option that is none of PETSc's; for a program that has no others. */
+PetscErrorCode MpmForeignOptionsCheckNames(MpmRecord record);
 /* Times of the search for unused options: after the first linear solve, and at the end of the run. */
 typedef enum { MPM_BEFORE_SOLVE, MPM_AFTER_SOLVE, MPM_AT_END } MpmMoment;
 /*

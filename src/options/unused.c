@@ -1,5 +1,5 @@
 /*
-  Options of PETSc's that the user gave and nobody used: a slip in a name is silent otherwise.
+  Options of PETSc's that the user gave and nobody used; those that PETSc does not have are refused (petsc_names.c).
 
   The user's options are kept when the scene has been read, before presets add theirs. A name may be asked for late (a
   preconditioner's, when it is set up; a later stage's), so most are told of at the end of the run; Newton's method and
@@ -86,8 +86,7 @@ PetscErrorCode MpmOptionsWarnUnused(const MpmOptions *options, MpmMoment moment)
     if (skip) continue;
     given->told = PETSC_TRUE;
     PetscCall(PetscFPrintf(options->comm, stderr,
-                           "talus: warning: -%s%s%s: nobody used this option; a slip in its name, or this run has no "
-                           "solver that takes it\n",
+                           "talus: warning: -%s%s%s: nobody used this option: this run has no solver that takes it\n",
                            given->name, *given->value ? " " : "", given->value));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -50,9 +50,10 @@ static PetscErrorCode TakeComponent(const MpmCsvTable *table, PetscInt dim, Pets
   path->stress[s] = (PetscBool)(t >= 0);
   if (e >= 0 && t >= 0)
     PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has both %s and %s: one of them is the answer", strain, stress));
-  else if (e < 0 && t < 0 && s < XY && !across)
+  else if (e < 0 && t < 0 && s < XY && !across) {
     PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no column %s and none %s", strain, stress));
-  else if (across && t >= 0)
+    PetscCall(MpmCsvTableNames(table, message));
+  } else if (across && t >= 0)
     PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "%s: plane strain has no strain to meet it", stress));
   for (PetscInt64 r = 0; r < table->rows && !message[0]; r++) {
     const PetscReal value = e < 0 && t < 0 ? 0. : table->value[r * table->columns + (t >= 0 ? t : e)];
@@ -73,7 +74,10 @@ static PetscErrorCode TakeTime(const MpmCsvTable *table, MpmPointPath *path, cha
   const PetscInt column = MpmCsvTableFind(table, "time");
 
   PetscFunctionBeginUser;
-  if (column < 0) PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no column time"));
+  if (column < 0) {
+    PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no column time"));
+    PetscCall(MpmCsvTableNames(table, message));
+  }
   for (PetscInt64 r = 0; r < table->rows && !message[0]; r++) {
     path->time[r] = table->value[r * table->columns + column];
     if (PetscIsInfOrNanReal(path->time[r]))

@@ -133,6 +133,7 @@ static PetscErrorCode TakeFile(const char path[], const MpmParameter *parameter,
     PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE,
                             "must have the columns height and %s, or x, y%s and %s, and two rows at least",
                             parameter->name, dim == 3 ? ", z" : "", parameter->name));
+    PetscCall(MpmCsvTableNames(&table, message));
     PetscFunctionReturn(MpmCsvTableDestroy(&table));
   }
   variation->count = (PetscInt)table.rows;

@@ -41,11 +41,11 @@ def install(folder):
     return python
 
 
-def refusal(action):
-    """Text of the SceneError that an action raises."""
+def refusal(action, kind=None):
+    """Text of the error that an action raises, by default a SceneError."""
     try:
         action()
-    except talus.SceneError as error:
+    except kind or talus.SceneError as error:
         return str(error)
     return "accepted"
 
@@ -150,6 +150,32 @@ def check_sweep(test):
     test.check("sweep.dicts", len(talus.sweep(triaxial(1e5), [{"point_steps": 5}, {"point_steps": 9}])), 2, 2)
 
 
+def check_measurements(test, scene, table, names):
+    """Tables of measurements in files as spreadsheets write them; columns that are missing are told with those that are there."""
+    plain, path = _residual(scene, table, names), test.folder() / "measured.csv"
+    rows = [[f"{value:.17g}" for value in row] for row in table.to_numpy()]
+    for label, mark, separator, comma, title in (("plain", "", ",", False, str.lower), ("spreadsheet", "\ufeff", ";", True, str.upper),
+                                                 ("tabs", "", "\t", True, str.title), ("quotes", "", ",", True, '"{}"'.format)):
+        body = [[f'"{word}"' if title('a') == '"a"' else word for word in row] for row in rows]
+        lines = ["# triaxial", separator.join(map(title, table.columns)), *(separator.join(row) for row in body)]
+        text = "\r\n".join(lines)
+        path.write_text(mark + (text.replace(".", ",") if comma else text) + "\r\n", encoding="utf-8")
+        test.check(f"measured.{label}", np.abs(_residual(scene, path, names) - plain).max(), None, 1e-12)
+    for label, header, wanted in (("history", "strain_yy,force", "the history has no column force; there are step, time, "),
+                                  ("number", "strain_yy,q\n0,x", "row 1, column q: 'x' is not a number")):
+        path.write_text(header + "\n0,1\n", encoding="utf-8")
+        said = refusal(lambda: talus.calibrate(scene, path, names[:1]), ValueError)
+        test.check(f"measured.{label}", wanted in said, 1, 1)
+    said = refusal(lambda: talus.calibrate(scene, table, names[:1], abscissa="depth"), ValueError)
+    test.check("measured.abscissa", "the table has no column depth; there are strain_yy, q, eps_v" in said, 1, 1)
+
+
+def _residual(scene, measured, names):
+    """Residual at the start values."""
+    from talus.calibration import _Experiment
+    return _Experiment(scene, measured, None).residual({name: scene[name] for name in names}, True)
+
+
 def check_calibration(test):
     """Noisy measurements give the values back that they were made from."""
     noise, pairs, names = np.random.default_rng(0), [], [f"material_sand_{name}" for name in SAND]
@@ -165,6 +191,7 @@ def check_calibration(test):
     test.check("calibration.errors", float(errors.max()), None, 4)
     test.check("calibration.residual", found.residual, 0.005, 0.02)
     test.check("calibration.converged", found.converged and found.scenes[1]["material_sand_E"] == found.parameters[names[0]], 1, 1)
+    check_measurements(test, triaxial(25e3), pairs[0][1].iloc[:6], names)
     said = refusal(lambda: talus.calibrate(triaxial(1e5), pairs[0][1], ["material_sand_tension"]))
     test.check("calibration.no_start", said.startswith("material_sand_tension"), 1, 1)
 

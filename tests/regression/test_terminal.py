@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import EXAMPLES, ROOT, Test, call, example  # noqa: E402
+from talus_test import EXAMPLES, ROOT, Run, Test, call, example  # noqa: E402
 
 sys.path.insert(0, str(ROOT / "scripts"))
 from fuzz import parse_scene  # noqa: E402
@@ -75,16 +75,34 @@ def warnings(test, ranks=1, scene=example("bar_elastic"), status=0, **options):
     return [line for line in run.errors.splitlines() if line.startswith("talus: warning: ")]
 
 
+def check_unknown(test):
+    """Options that PETSc does not have end the run as the program's own do; of solvers within solvers, too."""
+    slips = {"snes_typ": "snes_type", "pc_gamg_thresold": "pc_gamg_threshold", "mat_mumps_icntl_4x": "mat_mumps_icntl_4",
+             "log_vew": "log_view", "mg_levels_1_ksp_max_itt": "mg_levels_1_ksp_max_it", "fieldsplit_u_pc_typ": "fieldsplit_u_pc_type",
+             "grid_cells": "mpm_grid_cells", "Malloc_dmp": "malloc_dump", "colour": None, "ksp_colour_type": None}
+    for ranks in (1, 2):
+        for name, meant in slips.items() if ranks == 1 else (("snes_typ", "snes_type"),):
+            run = Run(test.program, example("bar_elastic"), ranks, {name: "1"}, test.folder())
+            line = f"talus: error: -{name}: unknown option" + (f"; did you mean -{meant}?" if meant else "")
+            told = [text for text in run.errors.splitlines() if text.startswith("talus: ")]
+            test.check(f"unknown.{name}.on_{ranks}", run.status == 2 and told == [line] and not run.files, 1, 1)
+    late = {"mg_levels_2_ksp_type": "cg", "mg_coarse_sub_pc_type": "lu", "fieldsplit_u_mg_levels_ksp_max_it": "2", "pc_fieldsplit_0_fields": "0",
+            "sub_3_pc_type": "ilu", "log_trace": "trace.txt", "info": ":info.txt", "malloc_view": ":malloc.txt", "device_enable_cuda": "none",
+            "KSP_Type": "preonly", "options_view": None, "npc_snes_type": "newtonls"}
+    run = test.run(example("bar_elastic"), mpm_time_step=1, mpm_output_every=0, mpm_quiet=None, **late)
+    test.check("unknown.of_petsc", run.errors.count("unknown option"), None, 0)
+
+
 def check_unused(test):
-    """Options of PETSc's that the user gave and nobody used; what PETSc asks for late, and presets, are none."""
-    slips = {"snes_typ": "newtonls", "pc_gamg_thresold": "0.1", "mat_mumps_icntl_4x": "1", "log_vew": None}
+    """Options of PETSc's that the user gave and no solver of the run has; what PETSc asks for late, and presets, are none."""
+    others = {"ksp_gmres_restart": "20", "pc_gamg_threshold": "0.1", "fieldsplit_u_ksp_type": "cg"}
     good = {"snes_rtol": "1e-9", "snes_monitor": None, "log_view": ":log.txt", "malloc_dump": None, "citations": "cite.txt",
             "options_left": None, "ksp_converged_reason": None, "snes_view": ":view.txt", "mat_view": "::ascii_info"}
     for ranks in (1, 2):
-        lines = warnings(test, ranks, mpm_quiet=None, **slips, **good)
-        test.check("unused.lines", len(lines), len(slips), len(slips))
-        for name, value in slips.items():
-            test.check(f"unused.{name}", sum(f": -{name}{' ' + value if value else ''}: " in line for line in lines), 1, 1)
+        lines = warnings(test, ranks, mpm_quiet=None, **others, **good)
+        test.check("unused.lines", len(lines), len(others), len(others))
+        for name, value in others.items():
+            test.check(f"unused.{name}", sum(f": -{name} {value}: " in line for line in lines), 1, 1)
     other = warnings(test, mpm_solver="amg", pc_type="lu", pc_gamg_threshold="0.1")
     test.check("unused.of_another_solver", len(other) == 1 and "-pc_gamg_threshold 0.1" in other[0], 1, 1)
     multigrid = {"pc_gamg_threshold": "0.01", "mg_coarse_pc_type": "lu", "mg_levels_ksp_max_it": "3", "ksp_type": "cg"}
@@ -99,12 +117,12 @@ def check_unused(test):
 
 
 def check_unused_early(test):
-    """A slip in an option of Newton's or the linear solver's is told of after the first step, not at the end."""
+    """An unused option of Newton's or the linear solver's is told of after the first step, not at the end."""
     command = [test.program, "-options_file", example("bar_elastic"), "-mpm_time_step", 0.1, "-mpm_output_every", 0]
-    joined = ["sh", "-c", '"$@" 2>&1', "sh", *command, "-snes_typ", "newtonls", "-pc_typ", "lu"]
+    joined = ["sh", "-c", '"$@" 2>&1', "sh", *command, "-ksp_gmres_restart", 20, "-pc_gamg_threshold", 0.1]
     lines = call(joined, test.folder()).stdout.splitlines()
     steps = [index for index, line in enumerate(lines) if LINE.fullmatch(line)]
-    places = [next(index for index, line in enumerate(lines) if name in line) for name in ("-snes_typ", "-pc_typ")]
+    places = [next(index for index, line in enumerate(lines) if name in line) for name in ("-ksp_gmres_restart", "-pc_gamg_threshold")]
     test.check("unused.early", steps[0] < places[0] < steps[1] and places[1] > steps[-1], 1, 1)
 
 
@@ -112,5 +130,6 @@ with Test() as test:
     check_manual(test)
     check_usage(test)
     check_lines(test)
+    check_unknown(test)
     check_unused(test)
     check_unused_early(test)

@@ -80,6 +80,7 @@ POINTS_REFUSED = [
     ("velocity without axes", "x,y,volume,velocty_x\n1,1,1,7\n", MOVES, "the nearest that is known is velocity_x"),
     ("half of a velocity", "x,y,volume,velocity_x\n1,1,1,7\n", MOVES, "velocity needs the columns velocity_x to velocity_y, 1 of the 2"),
     ("velocity without inertia", "x,y,volume,velocity_x,velocity_y\n1,1,1,7,0\n", {}, "has velocities, and no stage has inertia"),
+    ("no volume", "x,y,mass\n1,1,1\n", {}, "there is no volume; there are x, y, mass"),
     ("third axis of a plane", "x,y,z,volume\n1,1,0,1\n", {}, "column z is unknown"),
     ("pressure of dry ground", "x,y,volume,pressure\n1,1,1,0\n", {}, "column pressure is unknown"),
     ("doubled column", "x,y,volume,x\n1,1,1,2\n", {}, "line 1 has column x twice, as number 1 and 4"),
@@ -108,7 +109,12 @@ POINTS_REFUSED = [
 ]
 # name, options, text of table.csv, what the line must contain
 TABLES_REFUSED = [
-    ("condition's table with another column", BC_TABLE, "time,value,phase\n0,0,0\n", "must have the columns time and value"),
+    ("condition's table with another column", BC_TABLE, "time,value,phase\n0,0,0\n", "must have the columns time and value; there are time, value, phase"),
+    ("condition's table of other columns", BC_TABLE, "Zeit;Wert\n0;0\n", "must have the columns time and value; there are Zeit, Wert"),
+    ("motion without times", WALL, "t,ux\n0,0\n", "has no column time; there are t, ux"),
+    ("test without times", LABORATORY, "strain_xx\n1\n", "has no column time; there is strain_xx"),
+    ("test without a component", LABORATORY, "time,strain_xx,strain_zz\n1,0,0\n",
+     "has no column strain_yy and none stress_yy; there are time, strain_xx, strain_zz"),
     ("condition's table with a column twice", BC_TABLE, "time,value,Time\n0,0,0\n", "has column Time twice"),
     ("motion with another column", WALL, "time,ux,vy\n0,0,0\n", "column vy is unknown: must be time, ux, uy or rz"),
     ("motion with a column twice", WALL, "time,ux,ux\n0,0,0\n", "has column ux twice"),

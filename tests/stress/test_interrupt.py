@@ -56,6 +56,26 @@ def interrupt(test, reference, label, number, ranks, to_rank):
     compare(test, label, reference, folder)
 
 
+def interrupt_rows(test):
+    """With rows of the history every so many steps, the last step of an interrupted run has its row; the last line says so."""
+    folder, options = test.folder(), {"mpm_output_every": 0, "mpm_output_history": 50, "mpm_time_end": 0.3}
+    run = Background(test.program, folder, example("dam_break"), ranks=1, **options)
+    run.wait_for(lambda: run.steps() >= 3)
+    os.kill(run.process.pid, signal.SIGTERM)
+    status, text = run.wait()
+    steps = summary(folder)["steps"]
+    rows = [int(line.split(",")[0]) for line in (folder / "run_history.csv").read_text().splitlines()[1:]]
+    test.check("rows_status", status, 0, 0)
+    test.check("rows_last", rows[-1] - steps, 0, 0)
+    test.check("rows_others", int(all(row % 50 == 0 for row in rows[:-1])), 1, 1)
+    line = text.splitlines()[-1]
+    test.check("last_line", int(line.startswith(f"interrupted after step {steps} at time ") and "run_restart.yaml" in line), 1, 1)
+    Background(test.program, folder, folder / "run_restart.yaml", ranks=1).wait()
+    whole = test.folder()
+    Background(test.program, whole, example("dam_break"), ranks=1, **options).wait()
+    test.check("rows_continued", int((folder / "run_history.csv").read_bytes() == (whole / "run_history.csv").read_bytes()), 1, 1)
+
+
 def interrupt_twice(test):
     """The second Ctrl-C does not wait for the end of the step."""
     folder = test.folder()
@@ -220,6 +240,7 @@ def main():
         interrupt(test, reference, "term_to_one_process", signal.SIGTERM, 1, None)
         interrupt(test, reference, "int_to_the_first_rank", signal.SIGINT, 2, 0)
         interrupt(test, reference, "int_to_one_process", signal.SIGINT, 1, None)
+        interrupt_rows(test)
         interrupt_twice(test)
         interrupt_ignored(test)
         jobs(test, reference)

@@ -16,6 +16,7 @@ from scipy.optimize import least_squares
 from .errors import RunError, SceneError
 from .running import _scene, run
 from .scene import Scene
+from .tools import tables
 
 Vector = npt.NDArray[np.float64]
 Source = Union[Scene, Mapping[str, Any], str, Path]
@@ -60,10 +61,8 @@ class _Experiment:
 
     def __init__(self, scene: Source, data: Data, abscissa: str | None) -> None:
         self.scene = _scene(scene)
-        table = data if isinstance(data, pd.DataFrame) else pd.read_csv(data, comment="#")
-        self.abscissa = abscissa or str(table.columns[0])
-        if self.abscissa not in table:
-            raise ValueError(f"measured: no column {self.abscissa}; there are {', '.join(map(str, table.columns))}")
+        table = data if isinstance(data, pd.DataFrame) else pd.DataFrame(tables.read_table(data))
+        self.abscissa = str(tables.find(table.columns, abscissa or table.columns[0], "measured: the table"))
         self.columns = [str(name) for name in table.columns if name != self.abscissa]
         if not self.columns:
             raise ValueError(f"measured: no column beside {self.abscissa}")
@@ -81,13 +80,11 @@ class _Experiment:
             history = pd.DataFrame()
         if history.empty:
             return np.full(sum(int(np.isfinite(values).sum()) for values in self.values.values()), REFUSED)
-        missing = [name for name in (self.abscissa, *self.columns) if name not in history]
-        if missing:
-            raise ValueError(f"measured: the history has no column {missing[0]}; it has {', '.join(history.columns)}")
-        history = history.sort_values(self.abscissa)
+        there = {name: tables.find(history.columns, name, "measured: the history") for name in (self.abscissa, *self.columns)}
+        history = history.sort_values(there[self.abscissa])
         parts = []
         for name, values in self.values.items():
-            computed = np.interp(self.at, history[self.abscissa], history[name])
+            computed = np.interp(self.at, history[there[self.abscissa]], history[there[name]])
             parts.append(((computed - values) / self.scales[name])[np.isfinite(values)])
         return np.concatenate(parts)
 
@@ -154,8 +151,8 @@ def calibrate(scene: Source | None, measured: Data | Sequence[tuple[Source, Data
 
     Args:
         scene: a Scene or its source, with the values to start from.
-        measured: a table or its file in CSV: the abscissa and columns of the history; or a list of pairs of scene and
-            table, of which the first scene has the start values.
+        measured: a table or its file in CSV, written as the program's own tables may be: the abscissa and columns of the
+            history; or a list of pairs of scene and table, of which the first scene has the start values.
         parameters: names of options.
         bounds: least and largest value by option.
         abscissa: column that the others are compared at, by default the table's first.
