@@ -1,7 +1,7 @@
 #pragma once
 /*
-  MpmRegion - a part of space, read from options: box, sphere, cylinder, polygon (file regions of bodies are read by the
-  bodies).
+  MpmRegion - a part of space, read from options: box, sphere, cylinder, polygon, layers of ground (file regions of
+  bodies are read by the bodies).
   MpmRamp   - a piecewise linear factor of time, read from "time:factor" pairs.
 */
 #include "base/base.h"
@@ -13,6 +13,7 @@ typedef enum {
   MPM_REGION_SPHERE,
   MPM_REGION_CYLINDER,
   MPM_REGION_POLYGON,
+  MPM_REGION_LAYERS,
   MPM_REGION_FILE
 } MpmRegionType;
 
@@ -28,6 +29,12 @@ PetscErrorCode MpmRegionCreate(const MpmOptions *options, PetscInt dim, const Pe
 PetscErrorCode MpmRegionDestroy(MpmRegion *region);
 PetscBool      MpmRegionContains(MpmRegion region, const PetscReal x[]);
 MpmRegionType  MpmRegionGetType(MpmRegion region);
+/*
+  Puts a layer beneath another one: its top is the lower end of the layer above, and where that one thins out, its top.
+*/
+PetscErrorCode MpmRegionSetAbove(MpmRegion region, MpmRegion above);
+/* True where a layer has a lower end. */
+PetscBool MpmRegionIsBoundedBelow(MpmRegion region);
 /*
   The region's bounding box, clipped to the given one on entry: lower and upper hold the domain and return the
   intersection.

@@ -1,13 +1,15 @@
 /*
   MpmRegion - a region of space, read from the options of a block.
 
-    region    all (default) | box | sphere | cylinder | polygon | file (of points, which the block's owner reads)
+    region    all (default) | box | sphere | cylinder | polygon | layers | file (of points, which the block's owner
+              reads)
     box       lower, upper: corners; equal ones make a plane, a line or a point
     sphere    center, radius; a disc in 2D
     cylinder  3D only: point, axis (any length, default 0,0,1), radius, length (along the axis from the point;
               endless both ways if absent)
     polygon   vertices: x1,y1,x2,y2,... in order round the boundary, closed by itself; in 3D a prism along z, from
               lower_z to upper_z where they are given
+    layers    one layer of ground between the lines top and bottom (layers.c)
 
   All of them are cut to the box from clip_lower to clip_upper, where these are given: an octant of a sphere.
 */
@@ -17,7 +19,7 @@
 #include <math.h>
 #include <stdio.h>
 
-static const char *const region_types[] = {"all", "box", "sphere", "cylinder", "polygon", "file", NULL};
+static const char *const region_types[] = {"all", "box", "sphere", "cylinder", "polygon", "layers", "file", NULL};
 
 static const char *Prefix(const MpmOptions *options)
 {
@@ -161,8 +163,7 @@ static PetscErrorCode CheckPolygon(const MpmOptions *options, PetscInt n, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From a prism's lower_z to upper_z. */
-static PetscErrorCode ReadPrism(const MpmOptions *options, MpmRegion region)
+PetscErrorCode MpmPrismRead(const MpmOptions *options, MpmRegion region)
 {
   PetscReal lower = 0., upper = 0.;
   PetscBool set_lower, set_upper;
@@ -207,7 +208,7 @@ static PetscErrorCode ReadPolygon(const MpmOptions *options, MpmRegion region)
 
   PetscFunctionBegin;
   PetscCall(MpmPolygonRead(options, &n, &v));
-  if (region->dim == 3) PetscCall(ReadPrism(options, region));
+  if (region->dim == 3) PetscCall(MpmPrismRead(options, region));
   if (n == 0) {
     PetscCall(PetscFree(v));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -231,14 +232,14 @@ static PetscErrorCode ReadPolygon(const MpmOptions *options, MpmRegion region)
 /* Geometry without a type is a slip that would otherwise fill the grid. */
 static PetscErrorCode CheckNoGeometry(const MpmOptions *options)
 {
-  static const char *const names[] = {"lower", "upper", "center", "radius", "vertices"};
+  static const char *const names[] = {"lower", "upper", "center", "radius", "vertices", "top"};
 
   PetscFunctionBegin;
   for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
     PetscBool has;
 
     PetscCall(MpmOptionsHas(options, names[i], &has));
-    MpmCheckInput(!has, "-%sregion is missing, but -%s%s is given: one of box, sphere, cylinder, polygon",
+    MpmCheckInput(!has, "-%sregion is missing, but -%s%s is given: one of box, sphere, cylinder, polygon, layers",
                   Prefix(options), Prefix(options), names[i]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -260,6 +261,9 @@ static PetscErrorCode ReadGeometry(const MpmOptions *options, MpmRegion region)
   case MPM_REGION_POLYGON:
     PetscCall(ReadPolygon(options, region));
     break;
+  case MPM_REGION_LAYERS:
+    PetscCall(MpmLayerRead(options, region));
+    break;
   case MPM_REGION_ALL:
     PetscCall(CheckNoGeometry(options));
     break;
@@ -269,14 +273,19 @@ static PetscErrorCode ReadGeometry(const MpmOptions *options, MpmRegion region)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Everywhere, before options are read. */
+static void Unbound(MpmRegion region)
+{
+  for (PetscInt a = 0; a < MPM_REGION_DIM; a++) {
+    region->lower[a] = region->clip[0][a] = PETSC_NINFINITY;
+    region->upper[a] = region->clip[1][a] = PETSC_INFINITY;
+  }
+}
+
 /* Keeps the box between two corners, of which either may be missing. */
 static PetscErrorCode ReadClip(const MpmOptions *options, MpmRegion region)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < region->dim; a++) {
-    region->clip[0][a] = PETSC_NINFINITY;
-    region->clip[1][a] = PETSC_INFINITY;
-  }
   if (region->type == MPM_REGION_FILE) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsReals(options, "clip_lower", "m", "the region ends at this lower corner", MPM_RANGE_ANY,
                             MPM_OPTIONAL, region->dim, region->clip[0], NULL));
@@ -303,9 +312,8 @@ PetscErrorCode MpmRegionCreate(const MpmOptions *options, PetscInt dim, const Pe
              "A region has 2 or 3 dimensions, not %lld", (long long)dim);
   PetscCall(PetscNew(&r));
   r->dim = dim;
+  Unbound(r);
   for (PetscInt a = 0; a < MPM_REGION_DIM; a++) {
-    r->lower[a] = PETSC_NINFINITY;
-    r->upper[a] = PETSC_INFINITY;
     if (a < dim) r->tolerance[a] = tolerance[a];
     PetscCheck(a >= dim || tolerance[a] > 0., PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
                "A region's tolerance must be positive");
@@ -327,7 +335,8 @@ PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm)
   } kinds[] = {{MPM_REGION_BOX, 2, "Regions of type box (BLOCK: body_NAME, bc_NAME, load_NAME, track_NAME)"},
                {MPM_REGION_SPHERE, 2, "Regions of type sphere; in 2D, a disc"},
                {MPM_REGION_CYLINDER, 3, "Regions of type cylinder, in 3D"},
-               {MPM_REGION_POLYGON, 3, "Regions of type polygon; in 3D, a prism along z"}};
+               {MPM_REGION_POLYGON, 3, "Regions of type polygon; in 3D, a prism along z"},
+               {MPM_REGION_LAYERS, 3, "Regions of type layers; in 3D, a prism along z"}};
   const MpmOptions options = {comm, "mpm_BLOCK_", NULL};
 
   PetscFunctionBegin;
@@ -335,6 +344,7 @@ PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm)
     struct _p_MpmRegion region = {.type = kinds[k].type, .dim = kinds[k].dim};
 
     PetscCall(MpmOptionsHeading(&options, kinds[k].title));
+    Unbound(&region);
     PetscCall(ReadGeometry(&options, &region));
     PetscCall(ReadClip(&options, &region));
   }
@@ -346,6 +356,8 @@ PetscErrorCode MpmRegionDestroy(MpmRegion *region)
   PetscFunctionBegin;
   if (!*region) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*region)->vertices));
+  PetscCall(MpmPolylineDestroy(&(*region)->layer.top));
+  PetscCall(MpmPolylineDestroy(&(*region)->layer.bottom));
   PetscCall(PetscFree(*region));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

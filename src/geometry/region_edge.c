@@ -90,6 +90,8 @@ PetscBool MpmRegionContains(MpmRegion region, const PetscReal x[])
     return InCylinder(region, x);
   case MPM_REGION_POLYGON:
     return InPolygon(region, x);
+  case MPM_REGION_LAYERS:
+    return MpmLayerContains(region, x);
   default:
     return PETSC_TRUE;
   }
@@ -121,24 +123,47 @@ static void Nearer(MpmRegion region, const PetscReal normal[], PetscReal depth, 
   for (PetscInt a = 0; a < region->dim; a++) cut->normal[a] = normal[a];
 }
 
-/* The edges that x stands before, or just beside. */
+/* The edge from a to b, m, that x stands before, or just beside; outside is on its right, or on its left: sign -1. */
+static void CutByEdge(MpmRegion region, const PetscReal a[2], const PetscReal b[2], PetscReal sign, const PetscReal x[],
+                      Cut *cut)
+{
+  const PetscReal e[2] = {b[0] - a[0], b[1] - a[1]}, d[2] = {x[0] - a[0], x[1] - a[1]};
+  const PetscReal length = hypot(e[0], e[1]), along = (d[0] * e[0] + d[1] * e[1]) / length;
+  const PetscReal normal[3] = {sign * e[1] / length, -sign * e[0] / length, 0.};
+  PetscReal       beside    = 0.;
+
+  for (PetscInt k = 0; k < 2; k++) beside += 2. * cut->half[k];
+  if (along > -beside && along < length + beside)
+    Nearer(region, normal, -(d[0] * normal[0] + d[1] * normal[1]), PETSC_TRUE, cut);
+}
+
 static void CutByPolygon(MpmRegion region, const PetscReal x[], Cut *cut)
 {
   const PetscInt n    = region->vertex_count;
-  PetscReal      turn = 0., beside = 0.;
+  PetscReal      turn = 0.;
 
-  for (PetscInt a = 0; a < 2; a++) beside += 2. * cut->half[a];
   for (PetscInt i = 1; i + 1 < n; i++)
     turn += MpmTriangleCross(region->vertices, &region->vertices[2 * i], &region->vertices[2 * i + 2]);
   for (PetscInt i = 0; i < n; i++) {
     const PetscReal *a = &region->vertices[2 * i], *b = &region->vertices[2 * ((i + 1) % n)], *unit = region->tolerance;
-    const PetscReal  e[2]   = {(b[0] - a[0]) * unit[0], (b[1] - a[1]) * unit[1]};
-    const PetscReal  d[2]   = {x[0] - a[0] * unit[0], x[1] - a[1] * unit[1]};
-    const PetscReal  length = hypot(e[0], e[1]), along = (d[0] * e[0] + d[1] * e[1]) / length;
-    const PetscReal  sign = turn > 0. ? 1. : -1., normal[3] = {sign * e[1] / length, -sign * e[0] / length, 0.};
 
-    if (along > -beside && along < length + beside)
-      Nearer(region, normal, -(d[0] * normal[0] + d[1] * normal[1]), PETSC_TRUE, cut);
+    CutByEdge(region, (const PetscReal[]){a[0] * unit[0], a[1] * unit[1]},
+              (const PetscReal[]){b[0] * unit[0], b[1] * unit[1]}, turn > 0. ? 1. : -1., x, cut);
+  }
+}
+
+/* Top and bottom, where the layer has not thinned out. */
+static void CutByLayer(MpmRegion region, const PetscReal x[], Cut *cut)
+{
+  const MpmPolyline *lines[2] = {&region->layer.bottom, &region->layer.top};
+
+  for (PetscInt k = 0; k < 2; k++) {
+    for (PetscInt i = 0; i + 1 < lines[k]->count; i++) {
+      const PetscReal *a = &lines[k]->at[2 * i], *b = a + 2;
+
+      if (MpmLayerIsThere(region, a[0], a[0] < b[0] ? 1 : -1) || MpmLayerIsThere(region, b[0], a[0] < b[0] ? -1 : 1))
+        CutByEdge(region, a, b, k ? -1. : 1., x, cut);
+    }
   }
 }
 
@@ -154,6 +179,7 @@ PetscBool MpmRegionCut(MpmRegion region, const PetscReal x[], const PetscReal ha
     along += d[a] * region->axis[a];
   }
   if (region->type == MPM_REGION_POLYGON) CutByPolygon(region, x, &cut);
+  if (region->type == MPM_REGION_LAYERS) CutByLayer(region, x, &cut);
   if (region->type == MPM_REGION_CYLINDER) {
     for (PetscInt a = 0; a < dim; a++) {
       d[a] -= along * region->axis[a];

@@ -1,8 +1,9 @@
 #pragma once
 /*
-  Shared by region.c and region_edge.c: the members of a region.
+  Shared by the files of the object: region.c, region_edge.c and layers.c.
 */
 #include "geometry/geometry.h"
+#include "geometry/polyline.h"
 
 #define MPM_REGION_DIM 3
 
@@ -18,7 +19,18 @@ struct _p_MpmRegion {
   PetscReal  radius, length;         /* length < 0: endless */
   PetscInt   vertex_count;
   PetscReal *vertices; /* in units of the tolerance, so that a distance up to 1 is on the edge */
+  struct {
+    MpmPolyline top, bottom; /* of a layer; the bottom is nowhere above the top */
+  } layer;
 };
+
+/* Layers (layers.c). */
+PetscErrorCode MpmLayerRead(const MpmOptions *options, MpmRegion region);
+PetscBool      MpmLayerContains(MpmRegion region, const PetscReal x[]);
+/* True where the layer has a thickness at x; side as in MpmPolylineHeight(). */
+PetscBool MpmLayerIsThere(MpmRegion region, PetscReal x, PetscInt side);
+/* From a prism's lower_z to upper_z. */
+PetscErrorCode MpmPrismRead(const MpmOptions *options, MpmRegion region);
 
 static inline PetscReal MpmTriangleCross(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2])
 {

@@ -1,5 +1,7 @@
 /*
-  Bodies that exist at one time must not overlap: their mass would count twice.
+  Bodies that exist at one time must not overlap: their mass would count twice. A body with priority replaces those that
+  it overlaps: they have no points where centres lie within its region, from the start on. A place that a body gave up
+  is none of its own any more.
 
   A point claims the material at its centre. The point overlaps another body when the centre lies inside that body's
   region, not merely on its edge. Bodies from files have no region; their points overlap others when, in one cell of the
@@ -31,6 +33,42 @@ static PetscBool Meet(const MpmModel model, PetscInt one, PetscInt other)
     if (model->scene.stages.at[stage].removed[b]) until = PetscMin(until, stage);
   }
   return (PetscBool)(from < until);
+}
+
+/* The stage that the body joins, 0: the first. */
+static PetscInt Joins(const MpmModel model, PetscInt b)
+{
+  PetscInt from = 0;
+
+  for (PetscInt stage = 0; stage < model->scene.stages.count; stage++)
+    if (model->scene.stages.at[stage].adds[b]) from = stage;
+  return from;
+}
+
+/* True where the body gives up what it shares with the other: one that joins later would leave a hole until then. */
+static PetscBool Yields(const MpmModel model, PetscInt body, PetscInt other)
+{
+  const MpmBody *at = model->scene.bodies->at;
+
+  if (body == other || !MpmBodyHasPriority(at[other]) || !Meet(model, body, other)) return PETSC_FALSE;
+  return (PetscBool)((!MpmBodyHasPriority(at[body]) || other > body) && Joins(model, other) <= Joins(model, body));
+}
+
+PetscErrorCode MpmBodiesSettlePriority(MpmModel model)
+{
+  MpmBody *winners;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(model->scene.bodies->count, &winners));
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    PetscInt count = 0;
+
+    for (PetscInt c = 0; c < model->scene.bodies->count; c++)
+      if (Yields(model, b, c)) winners[count++] = model->scene.bodies->at[c];
+    if (count) PetscCall(MpmBodySetWinners(model->scene.bodies->at[b], count, winners));
+  }
+  PetscCall(PetscFree(winners));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmBodiesShareEdges(MpmModel model)
@@ -156,11 +194,22 @@ static PetscErrorCode SearchCells(Search *search, MpmStretch stretch)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Advice on two bodies that overlap. */
+static const char *Hint(const MpmModel model, PetscInt one, PetscInt other)
+{
+  const MpmBody *at = model->scene.bodies->at;
+
+  if (MpmBodyIsImported(at[one]) || MpmBodyIsImported(at[other])) return "";
+  if (!MpmBodyHasPriority(at[one]) && !MpmBodyHasPriority(at[other])) return ", unless one of them has priority";
+  return "; one that joins later finds no place but that of a body with priority that its stage removes";
+}
+
 /* Ends the run where there is an overlap, with equal text on all ranks. */
 static PetscErrorCode Refuse(const MpmModel model, Search *search)
 {
   const PetscInt dim = search->grid->dim;
   PetscInt64     key = search->key, pair;
+  PetscInt       one, other;
   char           where[128];
 
   PetscFunctionBeginUser;
@@ -168,13 +217,14 @@ static PetscErrorCode Refuse(const MpmModel model, Search *search)
   if (key == INT64_MAX) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < dim && key != search->key; a++) search->place[a] = PETSC_INFINITY;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, search->place, (PetscMPIInt)dim, MPIU_REAL, MPIU_MIN, model->comm));
-  pair = key / search->ids;
+  pair  = key / search->ids;
+  one   = (PetscInt)(pair / search->body_count);
+  other = (PetscInt)(pair % search->body_count);
   PetscCall(PetscSNPrintf(where, sizeof(where), dim > 2 ? "(%g, %g, %g)" : "(%g, %g)", (double)search->place[0],
                           (double)search->place[1], (double)search->place[2]));
   MpmCheckInput(PETSC_FALSE,
-                "-mpm_bodies: %s and %s overlap, for example at %s; bodies that are there at the same time must not",
-                model->scene.bodies->names[pair / search->body_count],
-                model->scene.bodies->names[pair % search->body_count], where);
+                "-mpm_bodies: %s and %s overlap, for example at %s; bodies that are there at the same time must not%s",
+                model->scene.bodies->names[one], model->scene.bodies->names[other], where, Hint(model, one, other));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -24,9 +24,11 @@ PetscErrorCode MpmModelLeave(MpmModel model);
 PetscBool MpmModelHasScene(const MpmModel model);
 
 /*
-  Bodies side by side (body_overlap.c): points on edges that two of them share are made once; and a scene in which two
-  overlap that are there at the same time is refused, once the points are with their ranks.
+  Bodies side by side (body_overlap.c): bodies give way to those with priority; points on edges that two of them share
+  are made once; and a scene in which two overlap that are there at the same time is refused, once the points are with
+  their ranks.
 */
+PetscErrorCode MpmBodiesSettlePriority(MpmModel model);
 PetscErrorCode MpmBodiesShareEdges(MpmModel model);
 PetscErrorCode MpmBodiesCheckOverlap(MpmModel model);
 /* Before points are made: which way is up, and which bodies join a stage. */
@@ -48,3 +50,6 @@ PetscInt MpmOwnParametersSize(MpmModel model);
 PetscBool MpmOriginIsKept(const MpmModel model);
 /* Views the model where -mpm_view says so. */
 PetscErrorCode MpmModelViewFromOptions(MpmModel model);
+/* Refuses bodies that cannot fit into memory, or whose points PETSc cannot count (memory_estimate.c). */
+PetscErrorCode MpmMemoryCheck(const MpmOptions *options, const MpmGrid *grid, PetscInt count, const MpmBody bodies[],
+                              char *const names[]);

@@ -348,6 +348,7 @@ PetscErrorCode MpmPointsCreate(MpmModel model)
   MpmOutcome outcome;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmBodiesSettlePriority(model));
   if (!NeedsBodies(model)) {
     PetscCall(MpmRestartReadPoints(model));
     PetscFunctionReturn(PETSC_SUCCESS);

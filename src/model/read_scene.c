@@ -217,13 +217,13 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   if (!(model->scene.physics.traits & MPM_PHYSICS_SYMMETRIC)) model->solver.definite.symmetric = PETSC_FALSE;
   model->disc.matrix.diagonal = MpmNodeStiffness(&model->disc, stiffest);
   PetscCall(MpmOptionsBlocks(options, "bodies",
-                             "names of the body blocks; bodies must not overlap, and are welded where they share "
-                             "nodes",
+                             "names of the body blocks; bodies must not overlap, unless one has priority, and are "
+                             "welded where they share nodes",
                              MPM_REQUIRED, &model->scene.bodies->count, &model->scene.bodies->names));
   PetscCall(PetscCalloc1(model->scene.bodies->count, &model->scene.bodies->at));
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
-    PetscCall(MpmBodyCreate(options, model->scene.bodies->names[b], model->disc.grid, model->scene.materials->count,
-                            model->scene.materials->at, &model->scene.bodies->at[b]));
+    PetscCall(MpmBodyCreate(options, model->disc.grid, model->scene.materials->count, model->scene.materials->at,
+                            model->scene.bodies, b));
     PetscCall(MpmReadBodyFile(model, options, b));
     MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
 

@@ -70,51 +70,99 @@ static PetscErrorCode ReadStress(const MpmOptions *block, PetscInt dim, MpmBody 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
-                             const MpmMaterial materials[], MpmBody *body)
+/* The layer above, whose lower end is the top of this one. */
+static PetscErrorCode ReadBelow(const MpmOptions *block, const MpmBodies *bodies, PetscInt b)
+{
+  const MpmBody body  = bodies->at[b];
+  PetscInt      above = -1;
+  PetscBool     given;
+  const char  **names;
+
+  PetscFunctionBeginUser;
+  if (MpmRegionGetType(body->region) != MPM_REGION_LAYERS && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOptionsHas(block, "below", &given));
+  MpmCheckInput(!given || b > 0 || MpmOptionsHelp(), "-%sbelow: must be a body that is named before this one",
+                block->prefix);
+  if (!b && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1((b + 2), &names));
+  for (PetscInt c = 0; c < PetscMax(b, 1); c++) names[c] = bodies->names[c];
+  PetscCall(MpmOptionsWord(block, "below",
+                           "in place of top: a body of region layers, named before this one, at whose lower end it "
+                           "begins",
+                           names, MPM_OPTIONAL, &above, &given));
+  PetscCall(PetscFree(names));
+  if (!given || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(MpmRegionGetType(bodies->at[above]->region) == MPM_REGION_LAYERS &&
+                  MpmRegionIsBoundedBelow(bodies->at[above]->region),
+                "-%sbelow %s: must be a body of region layers with a bottom", block->prefix, bodies->names[above]);
+  PetscCall(MpmRegionSetAbove(body->region, bodies->at[above]->region));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Options of bodies on a lattice, which those from a file do not have. */
+static PetscErrorCode ReadLattice(const MpmOptions *block, const MpmGrid *grid, MpmBody body)
+{
+  PetscBool fill = PETSC_FALSE, given = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  if (MpmRegionGetType(body->region) == MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOptionsInts(block, "points_per_cell", "points per cell and axis", 1, 64, MPM_OPTIONAL, grid->dim,
+                           body->cells.per_cell, NULL));
+  PetscCall(MpmOptionsBool(
+    block, "fill",
+    "where the body joins a stage: fill the gap down to settled ground; unless given, gaps within a cell", &fill,
+    &given));
+  if (given) body->filling.fill = fill ? MPM_FILL_YES : MPM_FILL_NO;
+  PetscCall(MpmOptionsBool(block, "priority",
+                           "the body replaces others where it overlaps them, unless it joins a later stage than they "
+                           "do; of two such bodies the one named later",
+                           &body->beside.priority, NULL));
+  PetscCall(ReadStress(block, grid->dim, body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void SetLattice(const MpmGrid *grid, MpmBody body)
+{
+  MpmBodyLattice *lattice = &body->lattice;
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    lattice->count[a] = (body->cells.upper[a] - body->cells.lower[a]) * body->cells.per_cell[a];
+    if (a >= grid->dim) continue;
+    lattice->spacing[a] = grid->h[a] / (PetscReal)body->cells.per_cell[a];
+    lattice->lower[a]   = grid->lower[a] + grid->h[a] * (PetscReal)body->cells.lower[a];
+  }
+}
+
+PetscErrorCode MpmBodyCreate(const MpmOptions *options, const MpmGrid *grid, PetscInt material_count,
+                             const MpmMaterial materials[], MpmBodies *bodies, PetscInt b)
 {
   char         prefix[256];
   MpmOptions   block = {options->comm, prefix, options->record};
   const char **names;
   PetscReal    tolerance[MPM_MAX_DIM];
-  PetscBool    is_file, fill = PETSC_FALSE, given = PETSC_FALSE;
+  MpmBody      body;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscNew(body));
-  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
-  PetscCall(PetscStrallocpy(name, &(*body)->name));
-  (*body)->dim = grid->dim;
+  PetscCall(PetscNew(&body));
+  bodies->at[b] = body;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", bodies->names[b]));
+  PetscCall(PetscStrallocpy(bodies->names[b], &body->name));
+  body->dim = grid->dim;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    (*body)->cells.per_cell[a] = a < grid->dim ? 2 : 1;
-    tolerance[a]               = MPM_TOLERANCE * grid->h[a];
+    body->cells.per_cell[a] = a < grid->dim ? 2 : 1;
+    tolerance[a]            = MPM_TOLERANCE * grid->h[a];
   }
   PetscCall(MpmOptionsHeading(&block, "Body"));
-  PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &(*body)->region));
-  is_file = (PetscBool)(MpmRegionGetType((*body)->region) == MPM_REGION_FILE);
-  if (!is_file || MpmOptionsHelp())
-    PetscCall(MpmOptionsInts(&block, "points_per_cell", "points per cell and axis", 1, 64, MPM_OPTIONAL, grid->dim,
-                             (*body)->cells.per_cell, NULL));
+  PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &body->region));
+  PetscCall(ReadBelow(&block, bodies, b));
   PetscCall(PetscCalloc1((material_count + 1), &names));
   for (PetscInt m = 0; m < material_count; m++) names[m] = materials[m].name;
-  PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &(*body)->material, NULL));
+  PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &body->material, NULL));
   PetscCall(PetscFree(names));
-  if (material_count) PetscCall(MpmBodyInitialCreate(&block, &materials[(*body)->material], &(*body)->initial));
-  if (!is_file || MpmOptionsHelp())
-    PetscCall(MpmOptionsBool(
-      &block, "fill",
-      "where the body joins a stage: fill the gap down to settled ground; unless given, gaps within a cell", &fill,
-      &given));
-  if (!is_file || MpmOptionsHelp()) PetscCall(ReadStress(&block, grid->dim, *body));
-  if (given) (*body)->filling.fill = fill ? MPM_FILL_YES : MPM_FILL_NO;
-  if (!is_file && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, *body));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    MpmBodyLattice *lattice = &(*body)->lattice;
-
-    lattice->count[a] = ((*body)->cells.upper[a] - (*body)->cells.lower[a]) * (*body)->cells.per_cell[a];
-    if (a >= grid->dim) continue;
-    lattice->spacing[a] = grid->h[a] / (PetscReal)(*body)->cells.per_cell[a];
-    lattice->lower[a]   = grid->lower[a] + grid->h[a] * (PetscReal)(*body)->cells.lower[a];
-  }
+  if (material_count) PetscCall(MpmBodyInitialCreate(&block, &materials[body->material], &body->initial));
+  PetscCall(ReadLattice(&block, grid, body));
+  if (MpmRegionGetType(body->region) != MPM_REGION_FILE && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, body));
+  SetLattice(grid, body);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -203,7 +251,8 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body)
   PetscCall(MpmRegionDestroy(&(*body)->region));
   PetscCall(MpmImportedDestroy(&(*body)->imported));
   PetscCall(MpmBodyInitialDestroy(&(*body)->initial));
-  PetscCall(PetscFree((*body)->before));
+  PetscCall(PetscFree((*body)->beside.before));
+  PetscCall(PetscFree((*body)->beside.winners));
   PetscCall(PetscFree((*body)->start.stress));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -224,7 +273,7 @@ static PetscReal FilledPart(const MpmBody body, const MpmGrid *grid)
              grid->h[a] * ((PetscReal)body->cells.lower[a] + (PetscReal)(body->cells.upper[a] - body->cells.lower[a]) *
                                                                ((PetscReal)sub[a] + 0.5) / (PetscReal)across);
     }
-    if (MpmRegionContains(body->region, x)) inside++;
+    if (MpmBodyOwns(body, x)) inside++;
   }
   return (PetscReal)PetscMax(inside, 1) / (PetscReal)total;
 }
@@ -298,6 +347,14 @@ MpmRegion MpmBodyRound(MpmBody body)
 
 /* ---- whose a place is ---- */
 
+PetscBool MpmBodyOwns(MpmBody body, const PetscReal x[])
+{
+  if (!MpmRegionContains(body->region, x)) return PETSC_FALSE;
+  for (PetscInt b = 0; b < body->beside.winner_count; b++)
+    if (MpmRegionContains(body->beside.winners[b]->region, x)) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 #define INTERIOR 1e-3 /* of a cell: further than this from the edge is inside a region, not on its edge */
 
 MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[])
@@ -311,12 +368,12 @@ MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[])
     if (cell < (PetscReal)body->cells.lower[a] || cell > (PetscReal)body->cells.upper[a]) return MPM_HOLD_NONE;
     y[a] = x[a];
   }
-  if (!MpmRegionContains(body->region, x)) return MPM_HOLD_NONE;
+  if (!MpmBodyOwns(body, x)) return MPM_HOLD_NONE;
   for (PetscInt k = 0; k < 2 * grid->dim; k++) {
     const PetscInt a = k / 2;
 
     y[a] = x[a] + (k % 2 ? INTERIOR : -INTERIOR) * grid->h[a];
-    if (!MpmRegionContains(body->region, y)) return MPM_HOLD_EDGE;
+    if (!MpmBodyOwns(body, y)) return MPM_HOLD_EDGE;
     y[a] = x[a];
   }
   return MPM_HOLD_INSIDE;
@@ -324,7 +381,7 @@ MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[])
 
 PetscBool MpmBodyReaches(MpmBody body, const PetscReal x[])
 {
-  return (PetscBool)(!body->imported && MpmRegionContains(body->region, x));
+  return (PetscBool)(!body->imported && MpmBodyOwns(body, x));
 }
 
 PetscReal MpmBodyExcess(MpmBody body, const PetscReal x[], PetscInt axis, PetscInt side, PetscReal half)
@@ -366,8 +423,22 @@ void MpmBodyHalfLengths(MpmBody body, const MpmGrid *grid, PetscReal half[])
 PetscErrorCode MpmBodySetBefore(MpmBody body, PetscInt count, const MpmBody before[])
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(count, &body->before));
+  PetscCall(PetscMalloc1(count, &body->beside.before));
   for (PetscInt b = 0; b < count; b++)
-    if (MpmBodiesShareLattice(body, before[b])) body->before[body->before_count++] = before[b];
+    if (MpmBodiesShareLattice(body, before[b])) body->beside.before[body->beside.before_count++] = before[b];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmBodyHasPriority(MpmBody body)
+{
+  return body->beside.priority;
+}
+
+PetscErrorCode MpmBodySetWinners(MpmBody body, PetscInt count, const MpmBody winners[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(count, &body->beside.winners));
+  PetscCall(PetscArraycpy(body->beside.winners, winners, count));
+  body->beside.winner_count = count;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

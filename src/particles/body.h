@@ -15,8 +15,9 @@ typedef struct MpmBodies {
   PetscInt *part;  /* part of each body, from 0 on */
 } MpmBodies;
 
-PetscErrorCode MpmBodyCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, PetscInt material_count,
-                             const MpmMaterial *materials, MpmBody *body);
+/* Makes the b-th of the bodies from its block; those named before it have been made. */
+PetscErrorCode MpmBodyCreate(const MpmOptions *options, const MpmGrid *grid, PetscInt material_count,
+                             const MpmMaterial *materials, MpmBodies *bodies, PetscInt b);
 /* Reads the points of a body whose region is a file, with fields of the physics. */
 PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                const MpmMaterial *materials, PetscInt field_count, const MpmFileField fields[],
@@ -48,7 +49,8 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
 /* Where a place is to the region of a body; one from a file has none. */
 typedef enum { MPM_HOLD_NONE, MPM_HOLD_EDGE, MPM_HOLD_INSIDE } MpmHold;
 MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[]);
-/* True where the body was drawn as far as to x, whatever lattice of points its region was filled with. */
+/* True where the body was drawn as far as to x, and no body with priority there; whatever lattice of points its region
+   was filled with. */
 PetscBool MpmBodyReaches(MpmBody body, const PetscReal x[]);
 /*
   Distance by which the body was drawn farther than a domain of this half-length about a place x in it, along an axis to
@@ -66,6 +68,10 @@ PetscBool MpmBodiesShareLattice(MpmBody one, MpmBody other);
 void MpmBodyHalfLengths(MpmBody body, const MpmGrid *grid, PetscReal half[]);
 /* Points on an edge that the body shares with one of these are theirs. To be called before the points are made. */
 PetscErrorCode MpmBodySetBefore(MpmBody body, PetscInt count, const MpmBody before[]);
+/* True where the body replaces others that it overlaps. */
+PetscBool MpmBodyHasPriority(MpmBody body);
+/* The body gives up what lies within one of these. To be called before the points are made. */
+PetscErrorCode MpmBodySetWinners(MpmBody body, PetscInt count, const MpmBody winners[]);
 /* The ids of a body's points, [first, end); known once the points have been made. */
 void      MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
 PetscBool MpmBodyIsImported(MpmBody body);
@@ -91,7 +97,3 @@ PetscReal MpmBodySpacing(MpmBody body);
 PetscInt  MpmBodyMaterial(MpmBody body);
 /* Which body each point belongs to; ids ascend from body to body. */
 void MpmBodiesOfPoints(PetscInt body_count, const MpmBody bodies[], const MpmPoints *points, PetscInt body_of[]);
-
-/* Refuses bodies that cannot fit into memory, or whose points PETSc cannot count. */
-PetscErrorCode MpmMemoryCheck(const MpmOptions *options, const MpmGrid *grid, PetscInt count, const MpmBody bodies[],
-                              char *const names[]);

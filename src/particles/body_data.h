@@ -42,6 +42,13 @@ struct _p_MpmBody {
     PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
   } cells;
   MpmBodyLattice lattice;
-  PetscInt       before_count;
-  MpmBody       *before; /* bodies whose points on a shared edge are not this one's */
+  struct {
+    PetscBool priority; /* replaces others that it overlaps */
+    PetscInt  before_count, winner_count;
+    MpmBody  *before;  /* bodies whose points on a shared edge are not this one's */
+    MpmBody  *winners; /* bodies that replace this one */
+  } beside;
 };
+
+/* True where a place lies in the body's region, and in that of no body that replaces it. */
+PetscBool MpmBodyOwns(MpmBody body, const PetscReal x[]);

@@ -15,8 +15,8 @@
 /* True where the point stands on an edge shared with an earlier body that has a point at this very place. */
 static PetscBool IsTaken(const MpmBody body, const MpmGrid *grid, const PetscReal x[])
 {
-  for (PetscInt b = 0; b < body->before_count; b++) {
-    if (MpmBodyHolds(body->before[b], grid, x) == MPM_HOLD_EDGE && MpmBodyHolds(body, grid, x) == MPM_HOLD_EDGE)
+  for (PetscInt b = 0; b < body->beside.before_count; b++) {
+    if (MpmBodyHolds(body->beside.before[b], grid, x) == MPM_HOLD_EDGE && MpmBodyHolds(body, grid, x) == MPM_HOLD_EDGE)
       return PETSC_TRUE;
   }
   return PETSC_FALSE;
@@ -67,7 +67,7 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
         x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)(body->cells.lower[a] + cell[a]) +
                                               ((PetscReal)sub[a] + 0.5) / (PetscReal)body->cells.per_cell[a]);
       }
-      if (!MpmRegionContains(body->region, x) || IsTaken(body, grid, x)) continue;
+      if (!MpmBodyOwns(body, x) || IsTaken(body, grid, x)) continue;
       count++;
       if (!points) continue;
       points->id[p]       = (PetscInt)(id + count - 1);
@@ -274,7 +274,8 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   PetscCallMPI(MPI_Scan(count, before, (PetscMPIInt)body_count, MPIU_INT64, MPI_SUM, grid->comm));
   PetscCall(MPIU_Allreduce(count, total, (PetscMPIInt)body_count, MPIU_INT64, MPI_SUM, grid->comm));
   for (PetscInt b = 0; b < body_count; b++) {
-    MpmCheckInput(total[b] > 0, "-mpm_body_%s_region: there is no point in it", bodies[b]->name);
+    MpmCheckInput(total[b] > 0, "-mpm_body_%s_region: there is no point in it%s", bodies[b]->name,
+                  bodies[b]->beside.winner_count ? "; bodies with priority took all of it" : "");
   }
   particles->total = 0;
   PetscCall(MpmParticlesRelease(particles));

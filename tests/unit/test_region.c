@@ -106,7 +106,7 @@ START_TEST(everything)
   ck_assert_int_eq(MpmRegionGetType(region), MPM_REGION_FILE);
   Destroy(&region);
   BLOCK("lower", "0,0", "upper", "1,1"); /* a box that lost its name must not become everything */
-  Refuse(2, "-mpm_a_region is missing, but -mpm_a_lower is given: one of box, sphere, cylinder, polygon");
+  Refuse(2, "-mpm_a_region is missing, but -mpm_a_lower is given: one of box, sphere, cylinder, polygon, layers");
 }
 END_TEST
 
@@ -144,7 +144,7 @@ START_TEST(box_refuses)
   BLOCK("region", "box", "lower", "0,11", "upper", "10,10.5");
   Refuse(2, "-mpm_a_upper 10.5 on axis y: must be >= -mpm_a_lower, which is 11");
   BLOCK("region", "cube");
-  Refuse(2, "-mpm_a_region cube: must be one of all, box, sphere, cylinder, polygon, file");
+  Refuse(2, "-mpm_a_region cube: must be one of all, box, sphere, cylinder, polygon, layers, file");
 }
 END_TEST
 
@@ -311,6 +311,61 @@ static void CheckCut(MpmRegion region, PetscInt dim, const PetscReal x[], const 
                 "(" #__VA_ARGS__ ") is at a cut")
 #define AT(...) ((const PetscReal[]){__VA_ARGS__})
 
+/* A surface with a step, an interface that it cuts into, and the layer beneath. */
+START_TEST(layers)
+{
+  MpmRegion upper, region;
+
+  BLOCK("region", "layers", "top", "0,10, 4,10, 8,2, 10,2, 10,5", "bottom", "6");
+  region = Create(2);
+  ck_assert_int_eq(MpmRegionGetType(region), MPM_REGION_LAYERS);
+  ck_assert(MpmRegionIsBoundedBelow(region));
+  IN(-50., 10.); /* level beyond its ends */
+  IN(2., 6.);
+  IN(5.9, 6.1);
+  OUT(5.9, 6.3);
+  OUT(2., 5.99);
+  OUT(7., 5.); /* thinned out */
+  OUT(20., 5.5);
+  CheckBounds(region, 2, (const PetscReal[]){-100., 2.}, (const PetscReal[]){100., 10.});
+  upper = region;
+  BLOCK("region", "layers", "below", "upper", "bottom", "0");
+  region = Create(2);
+  UNIT_CALL(MpmRegionSetAbove(region, upper));
+  IN(2., 6.);
+  OUT(2., 6.01);
+  IN(7., 3.99); /* begins at the surface */
+  OUT(7., 4.01);
+  IN(10. + 0.9e-6, 1.); /* at the step */
+  OUT(10. - 1e-5, 4.);
+  IN(10. - 0.9e-6, 4.);
+  IN(20., 5.);
+  OUT(20., -1e-5);
+  CheckBounds(region, 2, (const PetscReal[]){-100., 0.}, (const PetscReal[]){100., 6.});
+  Destroy(&upper);
+  Destroy(&region);
+  BLOCK("region", "layers", "top", "0,0, 4,4", "lower_z", "1", "clip_upper", "3,9,2");
+  region = Create(3);
+  ck_assert(!MpmRegionIsBoundedBelow(region));
+  IN(2., -1e9, 1.5);
+  OUT(2., 1., 0.9);
+  OUT(2., 1., 2.1);
+  OUT(3.1, 1., 1.5);
+  OUT(2., 2.01, 1.5);
+  Destroy(&region);
+  BLOCK("region", "layers", "bottom", "1");
+  Refuse(2, "-mpm_a_top: is missing, must be a line x0,y0,x1,y1,... or a level");
+  BLOCK("region", "layers", "top", "0,1,2");
+  Refuse(2, "-mpm_a_top: has 3 numbers, must have two a vertex, or one for a level");
+  BLOCK("region", "layers", "top", "0,1,2,1", "bottom", "0,0,4,1,3,0");
+  Refuse(2, "-mpm_a_bottom: x of vertex 3 must be >= 4., that of the vertex before");
+  BLOCK("region", "layers", "top", "0,1,2,1,2,1");
+  Refuse(2, "-mpm_a_top: vertices 2 and 3 are the same");
+  BLOCK("region", "layers", "top", "3", "below", "x");
+  Refuse(2, "-mpm_a_top: must be absent with -mpm_a_below, which gives the top");
+}
+END_TEST
+
 START_TEST(cuts)
 {
   const PetscReal r = sqrt(0.5);
@@ -323,6 +378,10 @@ START_TEST(cuts)
   CheckCut(region, 2, AT(0.95, 0.01), AT(r, r), 0.04 * r);
   NO_CUT(0.4, 0.45);  /* the next box on either axis is inside as well */
   NO_CUT(0.02, 0.02); /* boxes end at straight edges */
+  Destroy(&region);
+  BLOCK("region", "layers", "top", "0,1, 1,0", "bottom", "0.2");
+  region = Create(2);
+  CheckCut(region, 2, AT(0.45, 0.5), AT(r, r), 0.05 * r);
   Destroy(&region);
   BLOCK("region", "polygon", "vertices", "0,0, 2,0, 2,2, 1,1, 0,2"); /* a notch */
   region = Create(2);
@@ -458,8 +517,8 @@ END_TEST
 int main(int argc, char **argv)
 {
   const TTest *const tests[] = {
-    everything,     clipped,         box,  box_refuses,          sphere, cylinder,         polygon,
-    polygon_random, polygon_refuses, cuts, incomplete_with_help, ramps,  ramps_integrated, ramps_refused};
+    everything,      clipped, box,  box_refuses,          sphere, cylinder,         polygon,      polygon_random,
+    polygon_refuses, layers,  cuts, incomplete_with_help, ramps,  ramps_integrated, ramps_refused};
 
   return UnitRun(&argc, &argv, "region", sizeof(tests) / sizeof(tests[0]), tests);
 }

@@ -6,6 +6,7 @@
 #include "options/options.h"
 #include "grid/grid.h"
 #include "particles/body.h"
+#include "model/build.h"
 
 /* Measured with direct and multigrid solvers, from below: most scenes take more. */
 #define BYTES_PER_POINT_2D 500.
