@@ -286,6 +286,7 @@ static PetscErrorCode Create(PC pc)
   PetscCall(PCShellSetContext(pc, band));
   PetscCall(PCShellSetSetUp(pc, SetUp));
   PetscCall(PCShellSetApply(pc, Apply));
+  PetscCall(PCShellSetApplyTranspose(pc, Apply)); /* of symmetric matrices alone */
   PetscCall(PCShellSetView(pc, View));
   PetscCall(PCShellSetDestroy(pc, Destroy));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -20,6 +20,7 @@
 #include "contact/rigid_body.h"
 #include "loads/body_surface.h"
 #include "problem/discretization.h"
+#include "problem/evaluation.h"
 
 PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *layout, MpmDiscretization *disc)
 {
@@ -147,14 +148,6 @@ void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]
 
   MpmSpaceAt(disc->space, &disc->space->node[node * disc->dim], at);
   for (PetscInt a = 0; a < disc->dim; a++) x[a] = disc->grid->lower[a] + disc->grid->h[a] * (PetscReal)at[a];
-}
-
-PetscErrorCode MpmTrialReset(MpmTrial *trial)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscFree5(trial->F, trial->stress, trial->state, trial->own, trial->u));
-  trial->made = PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)

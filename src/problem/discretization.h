@@ -84,5 +84,3 @@ void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]
 const PetscInt *MpmOwnedNodes(const MpmDiscretization *disc, PetscInt *count);
 /* Stiffness of a node in material of a modulus, Pa: N/m, at the grid's outer edge with axial symmetry. */
 PetscReal MpmNodeStiffness(const MpmDiscretization *disc, PetscReal modulus);
-/* Frees the arrays. */
-PetscErrorCode MpmTrialReset(MpmTrial *trial);

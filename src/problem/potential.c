@@ -19,7 +19,6 @@
 #include "particles/points.h"
 #include "space/sum.h"
 #include "assembly/terms.h"
-#include "points/point_terms.h"
 #include "volume/inertia.h"
 #include "problem/discretization.h"
 #include "problem/potential.h"
@@ -44,38 +43,21 @@ PetscBool MpmPotentialExists(const MpmDiscretization *disc)
 }
 
 /* Energy stored in the points of this rank, in the trial. */
-MPM_INLINE PetscReal Stored(const PetscInt dim, const MpmDiscretization *disc)
+MPM_INLINE PetscReal Stored(const PetscInt dim, const MpmSum *sum, const MpmTrial *trial)
 {
-  const MpmSum *sum   = disc->sum;
-  PetscReal     total = 0.;
+  const MpmPoints *points = sum->points;
+  PetscReal        total  = 0.;
 
-  for (PetscInt p = 0; p < disc->points->count; p++)
+  for (PetscInt p = 0; p < points->count; p++)
     total +=
-      disc->points->volume0[p] *
-      MpmStoredEnergy(&sum->materials[disc->points->material[p]],
-                      MpmPointOwn(disc->points, &sum->materials[disc->points->material[p]], p), dim,
-                      &disc->trial->stress[p * MpmSymSize(dim)], NULL, &disc->trial->F[p * disc->points->F_size]);
+      points->volume0[p] * MpmStoredEnergy(&sum->materials[points->material[p]],
+                                           MpmPointOwn(points, &sum->materials[points->material[p]], p), dim,
+                                           &trial->stress[p * MpmSymSize(dim)], NULL, &trial->F[p * points->F_size]);
   return total;
 }
 
-/* The trial becomes that of disc->nodal.u, without the residual, which it no longer goes with; unless it is there. */
-static PetscErrorCode FindTrial(MpmDiscretization *disc, PetscInt *failed)
-{
-  PetscBool same = disc->trial->made;
-
-  PetscFunctionBeginUser;
-  *failed = 0;
-  if (same) PetscCall(PetscArraycmp(disc->trial->u, disc->nodal.u, MpmNodesLocal(disc) * disc->block, &same));
-  if (same) PetscFunctionReturn(PETSC_SUCCESS);
-  disc->trial->made = PETSC_FALSE;
-  disc->sum->trial  = disc->trial;
-  PetscCall(MpmPointsUpdate(disc->sum, disc->nodal.u, failed));
-  disc->sum->trial = NULL;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* 1/2 u . (r(u) + r(0)) of all terms but the points, or the term's own energy, on this rank. */
-static PetscErrorCode AddTerms(const MpmDiscretization *disc, PetscReal *value)
+static PetscErrorCode AddTerms(const MpmDiscretization *disc, const MpmSum *sum, const PetscReal u[], PetscReal *value)
 {
   const PetscInt count  = MpmNodesLocal(disc) * disc->block;
   PetscInt       failed = 0;
@@ -83,25 +65,23 @@ static PetscErrorCode AddTerms(const MpmDiscretization *disc, PetscReal *value)
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc2(count, &force, count, &zero));
-  PetscCall(MpmTermsResidualQuadratic(disc->terms, disc->sum, disc->nodal.u, force, &failed));
-  if (disc->context.inertia->active) PetscCall(MpmTermsResidualQuadratic(disc->terms, disc->sum, zero, force, &failed));
-  for (PetscInt k = 0; k < count; k++) *value += 0.5 * disc->nodal.u[k] * force[k];
-  PetscCall(MpmTermsEnergy(disc->terms, disc->sum, disc->nodal.u, value, &failed));
+  PetscCall(MpmTermsResidualQuadratic(disc->terms, sum, u, force, &failed));
+  if (disc->context.inertia->active) PetscCall(MpmTermsResidualQuadratic(disc->terms, sum, zero, force, &failed));
+  for (PetscInt k = 0; k < count; k++) *value += 0.5 * u[k] * force[k];
+  PetscCall(MpmTermsEnergy(disc->terms, sum, u, value, &failed));
   PetscCall(PetscFree2(force, zero));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPotentialEvaluate(MpmDiscretization *disc, PetscReal *value, PetscReal *size, PetscInt *failed)
+PetscErrorCode MpmPotentialEvaluate(const MpmDiscretization *disc, const MpmSum *sum, const PetscReal u[],
+                                    const MpmTrial *trial, PetscReal *value, PetscReal *size)
 {
   PetscReal part[3] = {0., 0., 0.};
 
   PetscFunctionBeginUser;
-  PetscCall(FindTrial(disc, failed));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, failed, 1, MPIU_INT, MPI_SUM, disc->comm));
-  if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
-  part[0] = disc->sum->part * MPM_BY_DIM(disc->dim, Stored, disc);
-  PetscCall(AddTerms(disc, &part[1]));
-  for (PetscInt k = 0; k < MpmNodesLocal(disc) * disc->block; k++) part[2] -= disc->nodal.force[k] * disc->nodal.u[k];
+  part[0] = sum->part * MPM_BY_DIM(disc->dim, Stored, sum, trial);
+  PetscCall(AddTerms(disc, sum, u, &part[1]));
+  for (PetscInt k = 0; k < MpmNodesLocal(disc) * disc->block; k++) part[2] -= disc->nodal.force[k] * u[k];
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, part, 3, MPIU_REAL, MPIU_SUM, disc->comm));
   *value = part[0] + part[1] + part[2];
   *size  = PetscAbsReal(part[0]) + PetscAbsReal(part[1]) + PetscAbsReal(part[2]);

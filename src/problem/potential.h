@@ -9,8 +9,8 @@
    stages. */
 PetscBool MpmPotentialExists(const MpmDiscretization *disc);
 /*
-  At the displacement disc->nodal.u of all local nodes, ghosts included: its value, J, and the sum of the magnitudes of
-  its terms, a measure of its rounding; the trial becomes that of u. `failed` as for MpmTermsResidual(), summed over all
-  ranks; value and size are then meaningless. Collective.
+  At the displacement u of all local nodes, ghosts included, with the trial that goes with it: its value, J, and the sum
+  of the magnitudes of its terms, a measure of its rounding. Collective.
 */
-PetscErrorCode MpmPotentialEvaluate(MpmDiscretization *disc, PetscReal *value, PetscReal *size, PetscInt *failed);
+PetscErrorCode MpmPotentialEvaluate(const MpmDiscretization *disc, const MpmSum *sum, const PetscReal u[],
+                                    const MpmTrial *trial, PetscReal *value, PetscReal *size);

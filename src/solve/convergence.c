@@ -134,16 +134,27 @@ static PetscBool Stalls(MpmEvaluations *cache, PetscInt it, PetscReal fnorm)
   Squares of the reactions, N2, of the owned unknowns with prescribed motion, in a step without inertia whose only
   unknown is the displacement. The residual is that of the last iterate.
 */
-static PetscReal ReactionSquares(const MpmDiscretization *disc)
+static PetscErrorCode ReactionSquares(const MpmDiscretization *disc, PetscReal *squares)
 {
   const MpmConstraints *constraints = disc->constraints;
-  PetscReal             squares     = 0.;
+  const PetscInt        owned       = MpmNodesOwned(disc) * disc->block;
+  const PetscReal      *force       = disc->nodal.residual;
+  PetscReal            *turned      = NULL;
 
-  if (!constraints->any || disc->context.inertia->active || disc->layout->field_count > 1) return 0.;
-  for (PetscInt k = 0; k < MpmNodesOwned(disc) * disc->block; k++)
-    if (!MpmConstraintsFree(constraints, k) && constraints->value[k] != 0.)
-      squares += PetscSqr(disc->nodal.residual[k]);
-  return squares;
+  PetscFunctionBeginUser;
+  *squares = 0.;
+  if (!constraints->any || disc->context.inertia->active || disc->layout->field_count > 1)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  if (constraints->frame_of) {
+    PetscCall(PetscMalloc1(owned, &turned));
+    PetscCall(PetscArraycpy(turned, force, owned));
+    MpmFramesToUnknowns(constraints, disc->block, MpmNodesOwned(disc), turned);
+    force = turned;
+  }
+  for (PetscInt k = 0; k < owned; k++)
+    if (!MpmConstraintsFree(constraints, k) && constraints->value[k] != 0.) *squares += PetscSqr(force[k]);
+  PetscCall(PetscFree(turned));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
@@ -153,9 +164,10 @@ static PetscReal ReactionSquares(const MpmDiscretization *disc)
 static PetscErrorCode IsBalanced(MpmSolver *solver, PetscReal fnorm, PetscBool *balanced)
 {
   const MpmDiscretization *disc    = solver->disc;
-  PetscReal                squares = ReactionSquares(disc);
+  PetscReal                squares = 0.;
 
   PetscFunctionBeginUser;
+  PetscCall(ReactionSquares(disc, &squares));
   *balanced = (PetscBool)(solver->cache.rough || solver->cache.balances == BALANCE_MOST);
   if (*balanced) PetscFunctionReturn(PETSC_SUCCESS);
   if (MpmSolverHasContact(solver)) PetscCall(MpmTermsAddSquares(disc->terms, disc->sum, disc->nodal.u, &squares));

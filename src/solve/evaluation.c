@@ -1,60 +1,59 @@
 /*
-  Evaluations at a solution vector: nodal values from it, the residual's sums over terms, and the place of a vector's
-  values.
+  Evaluations of Newton's method: nodal values, residual, trial and potential at an iterate, kept in the problem.
 */
-#include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
-#include "point/layout.h"
-#include "space/space.h"
 #include "space/sum.h"
-#include "bc/bc.h"
 #include "assembly/terms.h"
+#include "points/point_terms.h"
 #include "problem/discretization.h"
+#include "problem/potential.h"
 #include "solve/line_search.h"
 
-/* Brings the solution vector to the local nodes, ghosts included, as components along the axes. */
 PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x)
 {
-  const PetscScalar *values;
-
   PetscFunctionBeginUser;
-  PetscCall(VecGetArrayRead(x, &values));
-  PetscCall(PetscArraycpy(solver->disc->nodal.u, values, solver->disc->space->owned * solver->disc->block));
-  PetscCall(VecRestoreArrayRead(x, &values));
-  MpmUnitsTimes(solver->disc->constraints, solver->disc->space->owned * solver->disc->block, solver->disc->nodal.u);
-  PetscCall(MpmSpaceToGhosts(solver->disc->space, solver->disc->block, solver->disc->nodal.u));
-  MpmFramesToAxes(solver->disc->constraints, solver->disc->block, solver->disc->space->local, solver->disc->nodal.u);
-  MpmConstraintsExtend(solver->disc->constraints, solver->disc->space, solver->disc->nodal.u);
+  PetscCall(MpmEvaluationNodes(solver->disc, x, solver->disc->nodal.u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed)
 {
-  const PetscInt count = solver->disc->space->local * solver->disc->block;
+  MpmDiscretization *disc = solver->disc;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < count; k++) solver->disc->nodal.residual[k] = -solver->disc->nodal.force[k];
-  solver->disc->sum->trial = solver->disc->sum->rest ? NULL : solver->disc->trial;
-  PetscCall(MpmTermsResidual(solver->disc->terms, solver->disc->sum, solver->disc->nodal.u,
-                             solver->disc->nodal.residual, failed));
-  MpmConstraintsGather(solver->disc->constraints, solver->disc->space, solver->disc->nodal.residual);
-  PetscCall(MpmSpaceAddToOwners(solver->disc->space, solver->disc->block, solver->disc->nodal.residual));
-  solver->disc->trial->made   = (PetscBool)(solver->disc->sum->trial != NULL);
-  solver->disc->trial->framed = PETSC_FALSE;
-  if (solver->disc->trial->made) PetscCall(PetscArraycpy(solver->disc->trial->u, solver->disc->nodal.u, count));
+  disc->sum->trial = disc->sum->rest ? NULL : disc->trial;
+  PetscCall(MpmEvaluateForces(disc, disc->sum, disc->nodal.u, disc->nodal.residual, failed));
+  disc->trial->made = (PetscBool)(disc->sum->trial != NULL);
+  if (disc->trial->made) PetscCall(PetscArraycpy(disc->trial->u, disc->nodal.u, MpmNodesLocal(disc) * disc->block));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPlaceGet(Vec x, MpmPlace *place)
+/* The trial becomes that of disc->nodal.u, without the residual, which it no longer goes with; unless it is there. */
+static PetscErrorCode FindTrial(MpmDiscretization *disc, PetscInt *failed)
 {
+  PetscBool same = disc->trial->made;
+
   PetscFunctionBeginUser;
-  PetscCall(PetscObjectGetId((PetscObject)x, &place->id));
-  PetscCall(PetscObjectStateGet((PetscObject)x, &place->state));
+  *failed = 0;
+  if (same) PetscCall(PetscArraycmp(disc->trial->u, disc->nodal.u, MpmNodesLocal(disc) * disc->block, &same));
+  if (same) PetscFunctionReturn(PETSC_SUCCESS);
+  disc->trial->made = PETSC_FALSE;
+  disc->sum->trial  = disc->trial;
+  PetscCall(MpmPointsUpdate(disc->sum, disc->nodal.u, failed));
+  disc->sum->trial = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscBool MpmPlaceIsSame(const MpmPlace *a, const MpmPlace *b)
+PetscErrorCode MpmSumPotential(MpmSolver *solver, Vec x, PetscReal *value, PetscReal *size, PetscInt *failed)
 {
-  return (PetscBool)(a->id == b->id && a->state == b->state);
+  MpmDiscretization *disc = solver->disc;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmGatherSolution(solver, x));
+  PetscCall(FindTrial(disc, failed));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, failed, 1, MPIU_INT, MPI_SUM, disc->comm));
+  if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPotentialEvaluate(disc, disc->sum, disc->nodal.u, disc->trial, value, size));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscBool MpmSolverHasContact(const MpmSolver *solver)

@@ -318,11 +318,11 @@ static PetscErrorCode AcceptIterate(MpmSearch *search)
 
 PetscErrorCode MpmLineSearch(SNESLineSearch object, void *ctx)
 {
-  MpmSearch search = {.solver = (MpmSolver *)ctx, .lambda = 1.};
-  MpmPlace  tried;
-  SNES      snes;
-  PetscReal xnorm, ynorm;
-  PetscBool found;
+  MpmSearch  search = {.solver = (MpmSolver *)ctx, .lambda = 1.};
+  MpmVersion tried;
+  SNES       snes;
+  PetscReal  xnorm, ynorm;
+  PetscBool  found;
 
   PetscFunctionBeginUser;
   PetscCall(SNESLineSearchGetSNES(object, &snes));
@@ -340,11 +340,11 @@ PetscErrorCode MpmLineSearch(SNESLineSearch object, void *ctx)
   }
   PetscCall(AcceptIterate(&search));
   PetscCall(VecNorm(search.Y, NORM_2, &ynorm));
-  PetscCall(MpmPlaceGet(search.W, &tried));
+  PetscCall(MpmVersionGet(search.W, &tried));
   PetscCall(VecCopy(search.W, search.X));
   PetscCall(VecCopy(search.G, search.F));
-  if (MpmPlaceIsSame(&tried, &search.solver->cache.summed))
-    PetscCall(MpmPlaceGet(search.X, &search.solver->cache.summed)); /* equal values */
+  if (MpmVersionIsSame(&tried, &search.solver->cache.summed))
+    PetscCall(MpmVersionGet(search.X, &search.solver->cache.summed)); /* equal values */
   PetscCall(MpmSearchTaken(&search));
   PetscCall(VecNorm(search.X, NORM_2, &xnorm));
   PetscCall(SNESLineSearchSetLambda(object, search.lambda));

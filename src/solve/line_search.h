@@ -27,6 +27,3 @@ PetscErrorCode MpmObjective(SNES snes, Vec x, PetscReal *value, void *ctx);
 PetscErrorCode MpmLineSearch(SNESLineSearch object, void *ctx);
 /* Residual over tolerance where there are several fields (newton.c). */
 PetscErrorCode MpmFieldsExcess(MpmSolver *solver, Vec x, Vec f, PetscReal *excess);
-/* Where a vector's values stand, and whether two places are the same. */
-PetscErrorCode MpmPlaceGet(Vec x, MpmPlace *place);
-PetscBool      MpmPlaceIsSame(const MpmPlace *a, const MpmPlace *b);

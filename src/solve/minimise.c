@@ -8,7 +8,6 @@
   Sources: Armijo (1966), Pacific J. Math. 16, 1-3, doi:10.2140/pjm.1966.16.1; Nocedal, Wright (2006), Numerical
   Optimization, 2nd edition, Springer, chapter 3 (backtracking by interpolation).
 */
-#include "problem/potential.h"
 #include "solve/line_search.h"
 
 #define SURE      0.5   /* of the slope at the start: no more at the end leaves no doubt */
@@ -29,8 +28,7 @@ static PetscErrorCode Evaluate(MpmSolver *solver, Vec x, Objective *objective)
   PetscInt  failed;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmGatherSolution(solver, x));
-  PetscCall(MpmPotentialEvaluate(solver->disc, &objective->value, &size, &failed));
+  PetscCall(MpmSumPotential(solver, x, &objective->value, &size, &failed));
   if (failed || PetscIsInfOrNanReal(objective->value)) objective->value = PETSC_INFINITY;
   objective->noise = ROUNDING * size;
   PetscCall(PetscInfo(solver->snes, "the objective is %.16g\n", (double)objective->value));
@@ -56,12 +54,12 @@ PetscErrorCode MpmObjective(SNES snes, Vec x, PetscReal *value, void *ctx)
 static PetscErrorCode AtEnds(MpmSearch *search, Objective *start, Objective *end)
 {
   MpmMinimisation *kept = &search->solver->cache.minimisation;
-  MpmPlace         place;
+  MpmVersion       place;
 
   PetscFunctionBeginUser;
   PetscCall(Evaluate(search->solver, search->W, end)); /* first: the trial is there */
-  PetscCall(MpmPlaceGet(search->X, &place));
-  if (MpmPlaceIsSame(&place, &kept->at)) {
+  PetscCall(MpmVersionGet(search->X, &place));
+  if (MpmVersionIsSame(&place, &kept->at)) {
     start->value = kept->value;
     start->noise = end->noise;
   } else PetscCall(Evaluate(search->solver, search->X, start));
@@ -119,6 +117,6 @@ PetscErrorCode MpmSearchTaken(MpmSearch *search)
 
   PetscFunctionBeginUser;
   kept->at.id = 0;
-  if (kept->known) PetscCall(MpmPlaceGet(search->X, &kept->at));
+  if (kept->known) PetscCall(MpmVersionGet(search->X, &kept->at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

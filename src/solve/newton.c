@@ -14,7 +14,7 @@
 static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmPlaceGet(x, &solver->cache.summed));
+  PetscCall(MpmVersionGet(x, &solver->cache.summed));
   for (PetscInt k = 0; k < solver->disc->space->local * solver->disc->block; k++)
     solver->disc->nodal.residual[k] = -solver->disc->nodal.force[k];
   solver->cache.assembled   = PETSC_FALSE;
@@ -36,14 +36,12 @@ static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
 */
 static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
 {
-  MpmSolver         *solver = (MpmSolver *)ctx;
-  const PetscInt     bs     = solver->disc->block;
-  const PetscScalar *at;
-  PetscScalar       *values;
-  PetscLogDouble     since;
-  MpmTimer           timer;
-  PetscInt           failed;
-  PetscBool          both;
+  MpmSolver     *solver = (MpmSolver *)ctx;
+  PetscScalar   *values;
+  PetscLogDouble since;
+  MpmTimer       timer;
+  PetscInt       failed;
+  PetscBool      both;
 
   PetscFunctionBeginUser;
   (void)snes;
@@ -54,18 +52,12 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   PetscCall(MpmMonitorBegin(solver->monitor, timer, &since));
   if (both) PetscCall(SumBoth(solver, x, &failed));
   else PetscCall(MpmSumResidual(solver, &failed));
-  MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, solver->disc->nodal.residual);
-  solver->disc->trial->framed = PETSC_TRUE;
-  PetscCall(VecGetArrayRead(x, &at));
-  PetscCall(VecGetArrayWrite(f, &values));
-  PetscCall(PetscArraycpy(values, solver->disc->nodal.residual, solver->disc->space->owned * bs));
-  MpmUnitsTimes(solver->disc->constraints, solver->disc->space->owned * bs, values);
-  MpmConstraintsResidual(solver->disc->constraints, solver->disc->space->owned * bs, at, values);
-  PetscCall(VecRestoreArrayRead(x, &at));
+  PetscCall(MpmEvaluationEquations(solver->disc, x, solver->disc->nodal.residual, f));
   /* a rank may own no unknown of its failing points: the flag travels apart */
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, solver->disc->comm));
+  PetscCall(VecGetArray(f, &values));
   if (failed && solver->disc->space->owned) values[0] = PETSC_INFINITY;
-  PetscCall(VecRestoreArrayWrite(f, &values));
+  PetscCall(VecRestoreArray(f, &values));
   PetscCall(MpmMonitorEnd(solver->monitor, timer, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -90,11 +82,11 @@ static PetscErrorCode SumJacobian(MpmSolver *solver, Vec x, Mat P)
 
 static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
 {
-  MpmPlace place;
+  MpmVersion place;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmPlaceGet(x, &place));
-  if (!MpmPlaceIsSame(&place, &solver->cache.summed)) PetscCall(SumJacobian(solver, x, P));
+  PetscCall(MpmVersionGet(x, &place));
+  if (!MpmVersionIsSame(&place, &solver->cache.summed)) PetscCall(SumJacobian(solver, x, P));
   solver->cache.summed.id = 0;
   solver->cache.assembled = PETSC_TRUE;
   PetscCall(MpmPatternEnd(solver->disc->matrix.pattern, solver->disc->space, P));

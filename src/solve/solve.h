@@ -4,16 +4,11 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "problem/evaluation.h"
 #include "talus/talus.h"
 
 /* Action of a run at an equilibrium that is not stable. */
 typedef enum { MPM_UNSTABLE_AUTO, MPM_UNSTABLE_STOP, MPM_UNSTABLE_FOLLOW } MpmUnstable;
-
-/* A vector's values as they were at some time: PETSc counts every change. */
-typedef struct {
-  PetscObjectId    id; /* 0: none */
-  PetscObjectState state;
-} MpmPlace;
 
 /* References of each field's residual in a step of several fields (field_norms.c). */
 typedef struct {
@@ -24,10 +19,10 @@ typedef struct {
 
 /* Where a step is a minimisation (minimise.c): its objective where the last line search ended. */
 typedef struct {
-  PetscBool on;    /* the step is a minimisation */
-  PetscBool known; /* evaluated by the last line search */
-  MpmPlace  at;
-  PetscReal value; /* J */
+  PetscBool  on;    /* the step is a minimisation */
+  PetscBool  known; /* evaluated by the last line search */
+  MpmVersion at;
+  PetscReal  value; /* J */
 } MpmMinimisation;
 
 /* Reuse of a Jacobian in more than one iteration. */
@@ -50,7 +45,7 @@ typedef struct {
   may serve for more than one iteration.
 */
 typedef struct {
-  MpmPlace          summed;    /* where the Jacobian's sums, which wait in the matrix, were made */
+  MpmVersion        summed;    /* where the Jacobian's sums, which wait in the matrix, were made */
   PetscBool         assembled; /* the matrix holds the Jacobian of the last solve */
   PetscReal         reference; /* residual of the step at zero displacement */
   PetscBool         predicted; /* Newton starts from the increment extrapolated from the last steps */
@@ -169,6 +164,8 @@ PetscBool MpmSolverHasContact(const MpmSolver *solver);
 /* Sums the residual of disc->nodal.u over the points, force included; leaves it with the nodes' owners, along the
    axes. */
 PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed);
+/* The potential at x, J, and a measure of its rounding, J; the trial becomes that of x. `failed`: of all ranks. */
+PetscErrorCode MpmSumPotential(MpmSolver *solver, Vec x, PetscReal *value, PetscReal *size, PetscInt *failed);
 /* Brings the solution vector to the local nodes, ghosts included. */
 PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x);
 /* Bodies that the iterate x has left far from balance come to rest on its material; `last`: the one before, or NULL. */
@@ -222,6 +219,23 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver);
 */
 PetscErrorCode MpmSolverStartLinear(MpmSolver *solver, Vec x, PetscBool *made);
 PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason);
+/*
+  MpmSolverLinearise - derivative of the residual at given unknowns, and a linear solver with it
+
+  Collective
+
+  Input Parameters:
++ solver - of a problem that is prepared for a step; no Newton's method runs
+- x      - unknowns, solver->x for the solution found last
+
+  Output Parameters:
++ J   - the derivative by the unknowns, in the form of -mpm_jacobian; row `diagonal` times identity where prescribed
+- ksp - the solver's own, with J and a preconditioner of it: KSPSolve() and, with matrices, KSPSolveTranspose()
+
+  Notes:
+  Both are borrowed until the next evaluation of a Jacobian. Contact is that of x.
+*/
+PetscErrorCode MpmSolverLinearise(MpmSolver *solver, Vec x, Mat *J, KSP *ksp);
 /* A new solver after a linear solve has failed, with GMRES where CG met an indefinite Jacobian. */
 PetscErrorCode MpmSolverRenew(MpmSolver *solver);
 PetscErrorCode MpmSolverDestroy(MpmSolver *solver);

@@ -322,6 +322,26 @@ PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Linearise(MpmSolver *solver, Vec x, Mat *J, KSP *ksp)
+{
+  Mat P;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetJacobian(solver->snes, J, &P, NULL, NULL));
+  PetscCall(SNESComputeJacobian(solver->snes, x, *J, P));
+  PetscCall(SNESGetKSP(solver->snes, ksp));
+  PetscCall(KSPSetOperators(*ksp, *J, P));
+  PetscCall(KSPSetUp(*ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSolverLinearise(MpmSolver *solver, Vec x, Mat *J, KSP *ksp)
+{
+  PetscFunctionBeginUser;
+  MpmDatabaseCall(solver->database, Linearise(solver, x, J, ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSolverAddRows(MpmSolver *solver, MpmRows *rows)
 {
   const MpmRow row[] = {

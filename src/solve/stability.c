@@ -195,7 +195,7 @@ PetscErrorCode MpmStabilityCheck(MpmSolver *solver, MpmOutcome *outcome)
   PetscInt  negative   = 0;
   PetscReal eigenvalue = 0.;
   PetscBool lost, cg;
-  Mat       J, P;
+  Mat       J;
   Vec       mode;
   KSP       ksp;
 
@@ -204,11 +204,7 @@ PetscErrorCode MpmStabilityCheck(MpmSolver *solver, MpmOutcome *outcome)
   if (!MpmStabilityWanted(solver)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CountNegative(solver, &negative));
   if (negative <= 0 && !solver->definite.lost) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SNESGetJacobian(solver->snes, &J, &P, NULL, NULL));
-  PetscCall(SNESComputeJacobian(solver->snes, solver->x, J, P));
-  PetscCall(SNESGetKSP(solver->snes, &ksp));
-  PetscCall(KSPSetOperators(ksp, J, P));
-  PetscCall(KSPSetUp(ksp));
+  PetscCall(MpmSolverLinearise(solver, solver->x, &J, &ksp));
   PetscCall(CountNegative(solver, &negative));
   PetscCall(VecDuplicate(solver->x, &mode));
   PetscCall(FindMode(solver, J, mode, &eigenvalue));

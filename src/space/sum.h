@@ -10,8 +10,7 @@
 /* Candidate of the points' state at the step's end, F, Cauchy stress and history, at the displacement last used. */
 typedef struct MpmTrial {
   PetscReal *F, *stress, *state, *own, *u;
-  PetscBool  made;   /* belongs to the model's residual */
-  PetscBool  framed; /* which is in the frames of nodes, not along the axes */
+  PetscBool  made; /* belongs to the model's residual */
 } MpmTrial;
 
 /* Water at rest below its level (step/water_state.c); NULL without one. */

@@ -12,6 +12,7 @@
 #include "volume/damping.h"
 #include "loads/body_surface.h"
 #include "loads/load.h"
+#include "problem/evaluation.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "step/change_ramp.h"
@@ -68,24 +69,18 @@ static MpmRules Rules(MpmModel model, PetscReal time)
 /* Data independent of the step's length: arrays, space, pattern, solver. */
 static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, MpmOutcome *outcome)
 {
-  const PetscInt      bs        = model->disc.block;
-  const MpmParticles *particles = model->state.particles;
-  MpmTrial           *trial     = model->disc.trial;
+  const PetscInt bs = model->disc.block;
 
   PetscFunctionBeginUser;
   model->disc.nodal.committed = PETSC_FALSE;
   PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
   PetscCall(MpmTermsSetUpSpace(model->disc.terms, model->disc.space, rules, model->disc.points, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
-  const PetscInt count = model->disc.space->point_count;
-
   PetscCall(PetscFree3(model->disc.nodal.u, model->disc.nodal.residual, model->disc.nodal.force));
   PetscCall(PetscMalloc3((model->disc.space->local * bs + 1), &model->disc.nodal.u, (model->disc.space->local * bs + 1),
                          &model->disc.nodal.residual, (model->disc.space->local * bs + 1), &model->disc.nodal.force));
-  PetscCall(MpmTrialReset(trial));
-  PetscCall(PetscMalloc5((count * particles->F_size), &trial->F, (count * particles->stress_size), &trial->stress,
-                         (count * particles->state_size), &trial->state, (count * particles->own_size), &trial->own,
-                         (model->disc.space->local * bs), &trial->u));
+  PetscCall(MpmTrialReset(model->disc.trial));
+  PetscCall(MpmTrialCreate(model->disc.sum, model->disc.trial));
   model->state.active_dofs_max = PetscMax(model->state.active_dofs_max, (PetscInt64)model->disc.space->number.unknowns);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -177,19 +177,14 @@ PetscErrorCode MpmStepFindLost(MpmModel model, MpmOutcome *outcome)
 /* Those of the last evaluation, where it was made there. */
 PetscErrorCode MpmStepFindTrial(MpmModel model)
 {
-  const PetscInt bs = model->disc.block, count = model->disc.space->local * bs;
-  PetscBool      same = model->disc.trial->made;
+  const PetscInt count = model->disc.space->local * model->disc.block;
+  PetscBool      same  = model->disc.trial->made;
   PetscInt       failed;
 
   PetscFunctionBeginUser;
   if (same) PetscCall(PetscArraycmp(model->disc.trial->u, model->disc.nodal.u, count, &same));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &same, 1, MPM_MPI_BOOL, MPI_LAND, model->comm));
-  if (same) {
-    if (model->disc.trial->framed)
-      MpmFramesToAxes(model->disc.constraints, bs, model->disc.space->owned, model->disc.nodal.residual);
-    model->disc.trial->framed = PETSC_FALSE;
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  if (same) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSumResidual(&model->solver, &failed));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
   PetscCheck(!failed, model->comm, PETSC_ERR_PLIB, "a converged step has %" PetscInt_FMT " points without an answer",
