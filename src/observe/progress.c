@@ -1,7 +1,5 @@
 /*
   Output of a run on the terminal: a header, one line a step with the estimated time left, and reasons of cuts.
-
-  The estimated time left follows recent speed: wall time and progress are summed with a memory of some twenty steps.
 */
 #include <stdarg.h>
 #include "grid/grid.h"
@@ -15,10 +13,9 @@
 #include "step/integrator.h"
 #include "observe/results.h"
 
-#define COARSE        3.   /* cells: a boundary with a smaller radius meets too few of them (docs/scene.md) */
-#define LINE_SECONDS  1.   /* wall time between two lines of explicit steps, s */
-#define MEMORY        0.95 /* weight of the sums before this step */
-#define LINES_A_TITLE 50   /* the columns' titles come again, so that a long log can be read anywhere */
+#define COARSE        3. /* cells: a boundary with a smaller radius meets too few of them (docs/scene.md) */
+#define LINE_SECONDS  1. /* wall time between two lines of explicit steps, s */
+#define LINES_A_TITLE 50 /* the columns' titles come again, so that a long log can be read anywhere */
 
 PetscBool MpmTerminalShows(const MpmModel model)
 {
@@ -148,11 +145,8 @@ PetscErrorCode MpmTerminalStep(MpmModel model, PetscReal dt)
   PetscFunctionBeginUser;
   if (!MpmTerminalShows(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscTime(&now));
-  terminal->seconds  = MEMORY * terminal->seconds + (now - terminal->since);
-  terminal->progress = MEMORY * terminal->progress + dt;
-  terminal->since    = now;
-  MpmTerminalDuration(
-    terminal->seconds / terminal->progress * PetscMax(model->state.period.run_end - model->state.time, 0.), left);
+  MpmTerminalDuration(MpmTimeLeftAfter(model, dt, now - terminal->since), left);
+  terminal->since = now;
   if (model->state.scheme.integrator->length && terminal->lines && now - terminal->shown < LINE_SECONDS &&
       model->state.time < model->state.period.run_end * (1. - 1e-12))
     PetscFunctionReturn(PETSC_SUCCESS);

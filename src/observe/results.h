@@ -31,10 +31,30 @@ typedef struct {
 
 /* ---- progress.c ---- */
 
+typedef enum { MPM_STEP_GEOSTATIC, MPM_STEP_EXPLICIT, MPM_STEP_IMPLICIT, MPM_STEP_KINDS } MpmStepKind;
+
+/* Steps of a kind: how many there were, and a mean that forgets as two sums. */
+typedef struct {
+  PetscInt  count;
+  PetscReal seconds, steps;
+} MpmStepCost;
+
+/* What steps have cost, and how they grow (time_left.c). */
+typedef struct {
+  MpmStepCost cost[MPM_STEP_KINDS];
+  PetscReal   explicit_step; /* s, of the last explicit step; 0: none yet */
+  PetscReal   growth;        /* logarithm of the ratio of a step to the one before, in the mean */
+  PetscReal   last;          /* s, length of the last step */
+  PetscInt    stage;         /* the one that they are of, from 1 on; 0: none yet */
+} MpmTimeLeft;
+
+/* Wall time, s, that the run still needs after a step of length dt that took so many seconds. */
+PetscReal MpmTimeLeftAfter(const MpmModel model, PetscReal dt, PetscReal seconds);
+
 /* Data of earlier steps for a step's line. */
 typedef struct {
-  PetscLogDouble since, shown;      /* the end of the step before, and that of the last line */
-  PetscReal      seconds, progress; /* wall time and time of the run, fading */
+  PetscLogDouble since, shown; /* the end of the step before, and that of the last line */
+  MpmTimeLeft    left;
   PetscInt       lines;
 } MpmTerminal;
 

@@ -752,6 +752,64 @@ START_TEST(test_history_from_stress)
 }
 END_TEST
 
+/* Elastic logarithmic strain of a point whose axes are its principal ones, after a stretch. */
+static void PrincipalElastic(const Point *point, int b, const double *stretch, double e[3])
+{
+  for (int a = 0; a < 3; ++a)
+    e[a] = 0.5 * log(point->state[b + SymAt(a, a)]) + (stretch && a < DIM ? log(stretch[a * DIM + a]) : 0.);
+}
+
+/* sqrt(2/3) |d| of principal values, or of their deviator */
+static double Equivalent(const double d[3], int deviator)
+{
+  const double mean = deviator ? (d[0] + d[1] + d[2]) / 3. : 0.;
+  double       sum  = 0.;
+
+  for (int a = 0; a < 3; ++a) sum += (d[a] - mean) * (d[a] - mean);
+  return sqrt(2. / 3. * sum);
+}
+
+/*
+  Laws that flow have the equivalent plastic strain, 0 at first, which never falls. Where the elastic strain is known, a
+  step adds sqrt(2/3) |de_p|, of the whole plastic strain that it takes or of its deviator.
+*/
+START_TEST(test_plastic_strain)
+{
+  const Law *law   = LawGet(_i);
+  const int  alpha = LawState(law, "equivalent_plastic_strain"), b = LawState(law, "elastic_left_cauchy_green");
+  int        flows = 0;
+
+  if (!(law->info[PLAIN].traits & MPM_LAW_PLASTIC) || law->info[PLAIN].traits & MPM_LAW_VISCOUS) return;
+  ck_assert_msg(alpha >= 0, "%s has no equivalent plastic strain", law->info[PLAIN].name);
+  RandomSeed(21);
+  for (int sample = 0; sample < SAMPLES; ++sample) {
+    Point point;
+
+    PointCreate(law, 0, &point);
+    ck_assert(point.state[alpha] == 0.);
+    for (int step = 0; step < 6; ++step) {
+      const double before   = point.state[alpha];
+      double       dF[DIM2] = {0.}, trial[3], end[3], taken[3], tau[SYM], growth;
+
+      for (int a = 0; a < DIM; ++a) dF[a * DIM + a] = 1. + RandomUniform(-1., 1.) * pow(10., RandomUniform(-4., -1.7));
+      if (b >= 0) PrincipalElastic(&point, b, dF, trial);
+      if (PointStep(&point, dF, tau)) break;
+      growth = point.state[alpha] - before;
+      flows += growth > 0.;
+      ck_assert_msg(growth >= 0., "%s: the plastic strain falls by %g", law->info[PLAIN].name, -growth);
+      if (b < 0) continue;
+      PrincipalElastic(&point, b, NULL, end);
+      for (int a = 0; a < 3; ++a) taken[a] = trial[a] - end[a];
+      ck_assert_msg(growth >= Equivalent(taken, 1) * (1. - 1e-8) - 1e-13 &&
+                      growth <= Equivalent(taken, 0) * (1. + 1e-8) + 1e-13,
+                    "%s: the plastic strain grows by %.10g, flow takes %.10g, %.10g of it without volume",
+                    law->info[PLAIN].name, growth, Equivalent(taken, 0), Equivalent(taken, 1));
+    }
+  }
+  ck_assert_int_gt(flows, 0);
+}
+END_TEST
+
 static Suite *LawsSuite(void)
 {
   Suite             *suite   = suite_create(DIM == 2 ? "laws in plane strain" : "laws in 3D");
@@ -772,7 +830,8 @@ static Suite *LawsSuite(void)
                                 test_fixed_moduli,
                                 test_volume_alone,
                                 test_large_increments,
-                                test_history_from_stress};
+                                test_history_from_stress,
+                                test_plastic_strain};
 
   for (size_t t = 0; t < sizeof tests / sizeof tests[0]; ++t) tcase_add_loop_test(tcase, tests[t], 0, LawCount());
   tcase_set_timeout(tcase, 60.);
