@@ -6,8 +6,8 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
 "$ROOT/scripts/setup.sh"
-"$ROOT/scripts/build.sh" asan
-"$ROOT/scripts/build.sh" release
+"$ROOT/scripts/build.sh" asan test_programs
+"$ROOT/scripts/build.sh" release all
 cd "$ROOT"
 ctest --preset asan --parallel "$JOBS"
 ctest --preset release --parallel "$JOBS" "$@"

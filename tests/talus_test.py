@@ -17,13 +17,14 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
-sys.path[:0] = [str(EXAMPLES), str(ROOT / "scripts")]
+sys.path[:0] = [str(EXAMPLES), str(ROOT / "scripts"), str(ROOT / "tests")]
 from common import Quantity, read_table  # noqa: E402,F401  (the folder has to be known first; tests use read_table)
+from launcher import run_alone  # noqa: E402
 from results import Results  # noqa: E402
 
-# Ranks on one machine need shared memory only; looking for a network's hardware takes Open MPI longer than most runs here.
+# Ranks on one machine need shared memory only, and are bound to no core: looking for hardware takes longer than most runs here.
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               "OMPI_MCA_pml": "ob1", "MPLBACKEND": "Agg"}
+               "OMPI_MCA_pml": "ob1", "HWLOC_COMPONENTS": "no_os,stop", "MPLBACKEND": "Agg"}
 # One rank needs no daemon beside it; each run has a folder of its own for what Open MPI leaves there for the while.
 SESSION = tempfile.TemporaryDirectory(prefix="talus_mpi_")
 TIME_LIMIT = 600.0  # s, for one run
@@ -64,8 +65,13 @@ class Run:
         for name, value in options.items():
             command += ["-" + name] if value is None else ["-" + name, value]
         self.folder, self.command = Path(folder), command
-        process = call(command, folder)
-        self.status, self.output, self.errors = process.returncode, process.stdout, process.stderr
+        if ranks > 1:
+            process = call(command, folder)
+            self.status, self.output, self.errors = process.returncode, process.stdout, process.stderr
+        else:
+            self.status, self.output, self.errors = run_alone(command, folder, {**ENVIRONMENT, **alone()}, TIME_LIMIT)
+        if self.status is None:
+            sys.exit(f"no end within {TIME_LIMIT} s: {' '.join(map(str, command))}")
         summaries = list(self.folder.glob("*_summary.json"))
         self.prefix = str(summaries[0])[: -len("_summary.json")] if summaries else None
 

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import ENVIRONMENT, Run, Test, alone  # noqa: E402
+from talus_test import ENVIRONMENT, Run, Test, alone, run_alone  # noqa: E402
 from results import ResultsError  # noqa: E402  (talus_test makes the folder known)
 
 GRACE = 5.0  # s that a run which is told to stop has for it
@@ -38,8 +38,16 @@ class Ended(Run):
             command += ["-" + name] if value is None else ["-" + name, value]
         self.folder, self.command = Path(folder), [str(word) for word in command]
         self.hung = self.completed = False
-        environment = ENVIRONMENT if ranks > 1 else {**ENVIRONMENT, **alone()}
-        with subprocess.Popen(self.command, cwd=folder, env=environment, stdout=subprocess.PIPE,
+        if ranks > 1:
+            self._run_ranks(limit)
+        else:
+            self.status, self.output, self.errors = run_alone(command, folder, {**ENVIRONMENT, **alone()}, limit)
+            self.hung = self.status is None
+        summaries = list(self.folder.glob("*_summary.json"))
+        self.prefix = str(summaries[0])[: -len("_summary.json")] if summaries else None
+
+    def _run_ranks(self, limit):
+        with subprocess.Popen(self.command, cwd=self.folder, env=ENVIRONMENT, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
             try:
                 self.output, self.errors = process.communicate(timeout=limit)
@@ -47,8 +55,6 @@ class Ended(Run):
                 self.hung = True
                 self.output, self.errors = self._stop(process)
         self.status = process.returncode
-        summaries = list(self.folder.glob("*_summary.json"))
-        self.prefix = str(summaries[0])[: -len("_summary.json")] if summaries else None
 
     @staticmethod
     def _stop(process):
