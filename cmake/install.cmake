@@ -70,5 +70,6 @@ if(Python3_Interpreter_FOUND)
 endif()
 install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(PROGRAMS scripts/plot.py scripts/plot_lines.py scripts/plot_laboratory.py scripts/results.py scripts/tables.py scripts/xdmf.py
+install(PROGRAMS scripts/plot.py scripts/results.py scripts/tables.py scripts/xdmf.py
   DESTINATION ${CMAKE_INSTALL_DATADIR}/talus/scripts)
+install(DIRECTORY scripts/pictures DESTINATION ${CMAKE_INSTALL_DATADIR}/talus/scripts FILES_MATCHING PATTERN "*.py")

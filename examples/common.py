@@ -94,7 +94,10 @@ def main(check, draw):
         for quantity in quantities:
             print(quantity)
         if arguments.plot:
-            draw(results).savefig(arguments.plot, dpi=150, bbox_inches="tight")
+            from pictures import style  # matplotlib takes a while to load, which checks alone need not
+
+            style.apply()
+            draw(results).savefig(arguments.plot, dpi=style.DPI_SHEET, bbox_inches="tight")
     except (ResultsError, OSError) as error:
         print(f"check.py: {error}", file=sys.stderr)
         sys.exit(2)

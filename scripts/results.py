@@ -43,6 +43,15 @@ def find_step(step, steps, what):
     return number
 
 
+def read_columns(path):
+    """Columns of a CSV file by name."""
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = [row for row in csv.reader(file) if row]
+    rows = [row for row in rows if len(row) == len(rows[0])]  # the last one of a run that goes on may be half a row
+    values = np.array([[float(value) for value in row] for row in rows[1:]]).reshape(-1, len(rows[0]))
+    return {name.strip(): values[:, i] for i, name in enumerate(rows[0])}
+
+
 class State:
     """The points at one time: fields by name, rows by id."""
 
@@ -67,8 +76,9 @@ class Results:
 
     def __init__(self, prefix):
         self.prefix = re.sub(r"\.(h5|xdmf)$", "", str(prefix))
-        self._history = self._options = self._summary = self._initial = None
+        self._history = self._options = self._given = self._summary = self._initial = None
         self._born, self._ids, self._origin, self._half = 0, np.empty(0, np.int64), None, None  # states looked at; their points
+        self._births = np.empty(0, np.int64)
 
     def path(self, suffix):
         path = Path(self.prefix + suffix)
@@ -117,6 +127,12 @@ class Results:
             lengths[divided] *= ratio[divided]
         return Origin(position, lengths)
 
+    def births(self, state):
+        """The step of the first state that has each of a state's points."""
+        self.origin(state)
+        order = np.argsort(self._ids)
+        return self._births[order[np.searchsorted(self._ids, state["id"], sorter=order)]]
+
     def _take_births(self):
         """Adds the points of the next state that none before it has."""
         state = self.state(self.steps[self._born])
@@ -132,24 +148,18 @@ class Results:
         half = born["half_length"] if "half_length" in born else np.full(born["position"].shape, np.nan)
         self._half = np.concatenate([self._half, half]) if self._half is not None else half
         self._ids = np.concatenate([self._ids, born["id"]])
-
-    def _columns(self, suffix):
-        """Columns of a CSV file by name."""
-        with open(self.path(suffix), newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-        values = np.array([[float(value) for value in row] for row in rows[1:]]).reshape(-1, len(rows[0]))
-        return {name: values[:, i] for i, name in enumerate(rows[0])}
+        self._births = np.concatenate([self._births, np.full(len(born["id"]), born.step)])
 
     @property
     def history(self):
         """Columns of the history by name."""
         if self._history is None:
-            self._history = self._columns("_history.csv")
+            self._history = read_columns(self.path("_history.csv"))
         return self._history
 
     def table(self, kind, name):
         """Columns of the file of a row of cuts (kind "section") or of a line ("profile")."""
-        return self._columns(f"_{kind}_{name}.csv")
+        return read_columns(self.path(f"_{kind}_{name}.csv"))
 
     def column(self, name):
         if name not in self.history:
@@ -163,7 +173,12 @@ class Results:
             text = self.path("_options.yaml").read_text(encoding="utf-8")
             pairs = re.findall(r'^(?:# )?"?(\w+)"?: (?:"((?:[^"\\]|\\.)*)"|(\S.*?))\s*$', text, re.MULTILINE)
             self._options = {name: quoted or plain for name, quoted, plain in pairs}
+            self._given = set(re.findall(r'^"?(\w+)"?: ', text, re.MULTILINE))
         return self._options
+
+    def is_given(self, name):
+        """True where the scene gives this option, or where the default counts as if it did."""
+        return name in self.options and name in self._given
 
     def option(self, name, default=None):
         if default is None and name not in self.options:

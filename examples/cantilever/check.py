@@ -81,14 +81,14 @@ def check(results):
 def draw(results):
     """The bent beam, and load against displacement beside the elastica."""
     import matplotlib.pyplot as plt
-    from plot import draw_plane
+    from pictures.plane import draw_plane
 
     figure = plt.figure(figsize=(11.0, 4.8), layout="constrained")
     left, right = figure.subfigures(1, 2, width_ratios=(1.0, 1.0))
     state = results.state("last")
     values = state["stress"][:, 0] / 1e6
     largest = np.max(np.abs(values))
-    axes, body = draw_plane(left, state, results.origin(state), values, ("coolwarm", -largest, largest), True)
+    axes, body = draw_plane(left, results, state, values, ("coolwarm", -largest, largest), True)
     left.colorbar(body, ax=axes, shrink=0.8, label="$\\sigma_{xx}$ (MPa)")
     shape = results.option("mpm_shape")
     axes.set_title(f"h = {cell_size(results):g} m, {len(values)} points, {shape}", fontsize="medium")

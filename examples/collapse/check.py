@@ -69,12 +69,12 @@ def check(results):
 def draw(results):
     """The block at full weight, coloured by equivalent plastic strain."""
     import matplotlib.pyplot as plt
-    from plot import draw_plane
+    from pictures.plane import draw_plane
 
     state = results.state("last")
     figure = plt.figure(figsize=(9.0, 4.6), layout="constrained")
     plastic = state["equivalent_plastic_strain"]
-    axes, body = draw_plane(figure, state, results.origin(state), plastic, ("viridis", 0.0, plastic.max()), True)
+    axes, body = draw_plane(figure, results, state, plastic, ("viridis", 0.0, plastic.max()), True)
     figure.colorbar(body, ax=axes, shrink=0.8, label="equivalent plastic strain")
     for name, place in (("top", (WIDTH, HEIGHT)), ("toe", (WIDTH, 0.0))):
         displacement = corner(results, name, 1.0)

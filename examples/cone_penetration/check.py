@@ -62,13 +62,13 @@ def check(results):
 def draw(results):
     """Plastic strain about the tip at the end, and the resistance over the travel."""
     import matplotlib.pyplot as plt
-    from plot import draw_plane
+    from pictures.plane import draw_plane
 
     figure = plt.figure(figsize=(10.0, 5.0), layout="constrained")
     left, right = figure.subfigures(1, 2, width_ratios=(1.0, 1.2))
     state = results.state("last")
     strain = np.log10(np.maximum(state["equivalent_plastic_strain"], 1e-3))
-    axes, body = draw_plane(left, state, results.origin(state), strain, ("viridis", -3.0, 0.5), True)
+    axes, body = draw_plane(left, results, state, strain, ("viridis", -3.0, 0.5), True)
     left.colorbar(body, ax=axes, shrink=0.8, label="log10 of the equivalent plastic strain")
     _, diameter, _, way = scale(results)
     tip = np.array(results.numbers("mpm_boundary_cone_tip")) - [0.0, way * results.column("time")[-1]]

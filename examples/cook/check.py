@@ -76,14 +76,14 @@ def check(results):
 def draw(results):
     """The membrane by pressure, and the upward displacement along its right edge beside the reference."""
     import matplotlib.pyplot as plt
-    from plot import draw_plane
+    from pictures.plane import draw_plane
 
     figure = plt.figure(figsize=(11.0, 5.0), layout="constrained")
     left, right = figure.subfigures(1, 2, width_ratios=(1.3, 1.0))
     state, start, factor = results.state("last"), results.initial["position0"], results.column("load")[-1]
     values = pressure(state["stress"]) / factor
     largest = np.percentile(np.abs(values), 99.0)
-    axes, body = draw_plane(left, state, results.origin(state), values, ("coolwarm", -largest, largest), False)
+    axes, body = draw_plane(left, results, state, values, ("coolwarm", -largest, largest), False)
     left.colorbar(body, ax=axes, shrink=0.8, label="pressure (Pa)", extend="both")
     axes.set_title(f"h = {cell_size(results):g} m, {results.option('mpm_shape')}, "
                    f"F-bar {'on' if with_mean(results) else 'off'}", fontsize="medium")

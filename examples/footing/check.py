@@ -78,13 +78,13 @@ def check(results):
 def draw(results):
     """Where the clay flows, and pressure against settlement."""
     import matplotlib.pyplot as plt
-    from plot import draw_plane
+    from pictures.plane import draw_plane
 
     figure = plt.figure(figsize=(11.0, 4.6), layout="constrained")
     left, right = figure.subfigures(1, 2, width_ratios=(1.25, 1.0))
     state, settlement = results.state("last"), curve(results)[0][-1]
     slide = np.linalg.norm(state["displacement"], axis=1) / settlement
-    axes, body = draw_plane(left, state, results.origin(state), slide, ("viridis", 0.0, 1.2), False)
+    axes, body = draw_plane(left, results, state, slide, ("viridis", 0.0, 1.2), False)
     left.colorbar(body, ax=axes, shrink=0.8, label="displacement over settlement")
     axes.add_patch(plt.Rectangle((0.0, 0.0), 1.0, 0.3, color="0.4"))
     axes.set(xlim=(-0.1, 4.0), ylim=(-2.5, 0.5))

@@ -102,14 +102,14 @@ def check(results):
 def draw(results):
     """Where the soil flows, and the factor against settlement."""
     import matplotlib.pyplot as plt
-    from plot import draw_plane
+    from pictures.plane import draw_plane
 
     figure = plt.figure(figsize=(11.0, 3.9), layout="constrained")
     left, right = figure.subfigures(1, 2, width_ratios=(1.6, 1.0))
     (settlement, factor), (name, _) = curve(results), load(results)
     state = results.state("last")
     slide = np.linalg.norm(state["displacement"], axis=1) / settlement[-1]
-    axes, body = draw_plane(left, state, results.origin(state), slide, ("viridis", 0.0, 2.5), False)
+    axes, body = draw_plane(left, results, state, slide, ("viridis", 0.0, 2.5), False)
     left.colorbar(body, ax=axes, shrink=0.8, label="displacement over settlement")
     axes.add_patch(plt.Rectangle((0.0, 0.0), 0.5 * WIDTH, 0.3, color="0.4"))
     axes.set(xlim=(-0.1, 10.0), ylim=(-4.0, 0.5))

@@ -80,7 +80,7 @@ def grid_cell(results):
 def draw(results):
     """The block on the plane, and the forces while the weight grows."""
     import matplotlib.pyplot as plt
-    from plot import draw_plane
+    from pictures.plane import draw_plane
 
     normal, down, angle = frame(results)
     figure = plt.figure(figsize=(11.0, 4.6), layout="constrained")
@@ -88,7 +88,7 @@ def draw(results):
     state = results.state("last")
     across = np.einsum("i,pij,j->p", normal, state["stress"][:, [[0, 3], [3, 1]]], normal) / 1e3
     largest = np.max(np.abs(across))
-    axes, body = draw_plane(left, state, results.origin(state), across, ("coolwarm", -largest, largest), False)
+    axes, body = draw_plane(left, results, state, across, ("coolwarm", -largest, largest), False)
     left.colorbar(body, ax=axes, shrink=0.8, label="stress across the plane (kPa)")
     foot = np.array(results.numbers("mpm_boundary_slope_point"))
     ends = np.array([foot - 1.0 * down, foot + 5.0 * down])

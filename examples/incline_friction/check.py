@@ -68,7 +68,7 @@ def vector_of(results, name):
 def draw(results):
     """The block at the end, and friction over the force across the plane while it moves."""
     import matplotlib.pyplot as plt
-    from plot import draw_plane
+    from pictures.plane import draw_plane
 
     normal, up, angle = frame(results)
     figure = plt.figure(figsize=(11.0, 4.4), layout="constrained")
@@ -77,7 +77,7 @@ def draw(results):
     stress = state["stress"][:, [[0, 3], [3, 1]]] / 1e3
     shear = np.einsum("i,pij,j->p", normal, stress, up)
     largest = np.max(np.abs(shear))
-    axes, body = draw_plane(left, state, results.origin(state), shear, ("coolwarm", -largest, largest), False)
+    axes, body = draw_plane(left, results, state, shear, ("coolwarm", -largest, largest), False)
     left.colorbar(body, ax=axes, shrink=0.8, label="shear stress along the plane (kPa)")
     foot = np.array(results.numbers("mpm_boundary_slope_point"))
     ends = np.array([foot + 1.2 * up, foot - 5.0 * up])

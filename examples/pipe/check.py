@@ -58,13 +58,13 @@ def check(results):
 def draw(results):
     """The plastic strain round the pipe, and resistance against displacement."""
     import matplotlib.pyplot as plt
-    from plot import draw_plane
+    from pictures.plane import draw_plane
 
     figure = plt.figure(figsize=(12.0, 4.4), layout="constrained")
     left, right = figure.subfigures(1, 2, width_ratios=(1.4, 1.0))
     state = results.state("last")
     flow = state["equivalent_plastic_strain"]
-    axes, body = draw_plane(left, state, results.origin(state), flow, ("magma_r", 0.0, np.percentile(flow, 98.0)), False)
+    axes, body = draw_plane(left, results, state, flow, ("magma_r", 0.0, np.percentile(flow, 98.0)), False)
     left.colorbar(body, ax=axes, shrink=0.7, label="equivalent plastic strain")
     axes.set(xlim=(-1.6, 1.8), ylim=(0.0, 1.7))
 

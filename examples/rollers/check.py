@@ -78,13 +78,13 @@ def check(results):
 def draw(results):
     """The strip at the end, and force and torque over time."""
     import matplotlib.pyplot as plt
-    from plot import draw_plane
+    from pictures.plane import draw_plane
 
     figure = plt.figure(figsize=(12.0, 4.2), layout="constrained")
     left, right = figure.subfigures(1, 2, width_ratios=(1.6, 1.0))
     state = results.state("last")
     strain = state["equivalent_plastic_strain"]
-    axes, body = draw_plane(left, state, results.origin(state), strain, ("viridis", 0.0, np.percentile(strain, 99.5)), True)
+    axes, body = draw_plane(left, results, state, strain, ("viridis", 0.0, np.percentile(strain, 99.5)), True)
     left.colorbar(body, ax=axes, shrink=0.8, label="equivalent plastic strain")
     for name in ("upper", "lower"):
         center = np.array(results.numbers(f"mpm_boundary_{name}_center"))

@@ -55,13 +55,13 @@ def check(results):
 def draw(results):
     """The slab under the die at the end, and the forces over time."""
     import matplotlib.pyplot as plt
-    from plot import draw_plane
+    from pictures.plane import draw_plane
 
     figure = plt.figure(figsize=(12.0, 3.9), layout="constrained")
     left, right = figure.subfigures(1, 2, width_ratios=(1.5, 1.0))
     state = results.state("last")
     pressure = -state["stress"][:, 1] / 1e3
-    axes, body = draw_plane(left, state, results.origin(state), pressure, ("viridis", 0.0, np.percentile(pressure, 99.8)), True)
+    axes, body = draw_plane(left, results, state, pressure, ("viridis", 0.0, np.percentile(pressure, 99.8)), True)
     left.colorbar(body, ax=axes, shrink=0.8, label="vertical pressure (kPa)")
     table = common.read_table(FOLDER / "motion.csv")
     center = np.array(results.numbers("mpm_boundary_die_center"))

@@ -7,7 +7,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import common  # noqa: E402
-from plot_laboratory import plot_laboratory  # noqa: E402
+from pictures.laboratory import plot_laboratory  # noqa: E402
 
 EXACT = 1e-10  # of the largest value: on this path the return map makes no error
 

@@ -47,14 +47,14 @@ def check(results):
 def draw(results):
     """The disc on the blocks, and its way there."""
     import matplotlib.pyplot as plt
-    from plot import draw_plane
+    from pictures.plane import draw_plane
 
     figure = plt.figure(figsize=(10.0, 4.6), layout="constrained")
     left, right = figure.subfigures(1, 2)
     state = results.state("last")
     stress = state["stress"][:, 1] / 1e3
     largest = np.max(np.abs(stress))
-    axes, body = draw_plane(left, state, results.origin(state), stress, ("coolwarm", -largest, largest), False)
+    axes, body = draw_plane(left, results, state, stress, ("coolwarm", -largest, largest), False)
     left.colorbar(body, ax=axes, shrink=0.8, label="vertical stress (kPa)")
     radius = results.numbers("mpm_boundary_disc_radius")[0]
     angle = np.linspace(0.0, 2.0 * np.pi, 200)

@@ -2,6 +2,7 @@
   `talus check`: what a scene comes to. The first step is taken in memory, without any file, for its unknowns, its time
   and whether it converges.
 */
+#include "options/options.h"
 #include "io/io.h"
 #include "geometry/geometry.h"
 #include "grid/grid.h"
@@ -224,6 +225,22 @@ static PetscErrorCode PrintSizes(MpmModel model, PetscReal seconds)
   PetscCall(PetscSNPrintf(text, sizeof(text), "about %s: the first step took %.3g s, %.0f are planned", duration,
                           (double)seconds, (double)steps));
   PetscCall(PrintLine(model->comm, "time", "", text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModelWriteStart(MpmModel model, const char prefix[])
+{
+  const MpmOptions options = {model->comm, "mpm_", model->record};
+  char             path[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmModelSetUp(model));
+  MpmCheckInput(!model->laboratory, "--picture: a laboratory test has none before its run");
+  PetscCall(MpmOutputCreate(model->comm, prefix, &model->results->states.file));
+  PetscCall(MpmModelWriteState(model));
+  PetscCall(MpmOutputDestroy(&model->results->states.file));
+  PetscCall(PetscSNPrintf(path, sizeof(path), "%s_options.yaml", prefix));
+  PetscCall(MpmOptionsWriteYAML(&options, path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

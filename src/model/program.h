@@ -9,3 +9,5 @@
 void MpmModelSetSources(MpmModel model, MpmSources sources);
 /* Prints what a scene comes to, and whether its first step converges; writes no file. `status` of the program. */
 PetscErrorCode MpmModelCheck(MpmModel model, int *status);
+/* Writes the points before the first step and the options, as a run does, under a prefix of its own. */
+PetscErrorCode MpmModelWriteStart(MpmModel model, const char prefix[]);

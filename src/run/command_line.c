@@ -41,6 +41,10 @@ int MpmCommandLineRead(int argc, char **argv, MpmCommandLine *line)
   }
   if (check) next = 2;
   for (int i = next; i < argc; i++) {
+    if (check && !strcmp(argv[i], "--picture")) {
+      line->picture = i + 1 < argc ? argv[++i] : "";
+      continue;
+    }
     if (argv[i][0] == '-' && argv[i][1]) scenes = 0;
     if (!help && FindTask(argv[i], &line->task)) continue;
     if (scenes) {

@@ -9,10 +9,11 @@ typedef enum { MPM_TASK_RUN, MPM_TASK_CHECK, MPM_TASK_HELP, MPM_TASK_TOPIC, MPM_
 /* The task that the command line asks for, with its options. */
 typedef struct {
   MpmTask     task;
-  const char *topic;  /* of MPM_TASK_TOPIC; NULL: all */
-  int         count;  /* of words, the program's name first */
-  char      **words;  /* with -options_file before each scene; allocated, its texts borrowed */
-  int         scenes; /* files named without an option; they stand first */
+  const char *topic;   /* of MPM_TASK_TOPIC; NULL: all */
+  const char *picture; /* file that MPM_TASK_CHECK draws the scene into; empty: it is missing; NULL: none */
+  int         count;   /* of words, the program's name first */
+  char      **words;   /* with -options_file before each scene; allocated, its texts borrowed */
+  int         scenes;  /* files named without an option; they stand first */
   int         owns_input;
   char        input[PETSC_MAX_PATH_LEN]; /* file that holds the standard input; empty: none */
 } MpmCommandLine;

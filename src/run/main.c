@@ -10,7 +10,9 @@
 #include "observe/signals.h"
 #include "run/command_line.h"
 #include "run/pages.h"
+#include "run/picture.h"
 #include "run/processor.h"
+#include "run/script.h"
 #include "model/manual.h"
 #include "model/program.h"
 #include "talus/talus.h"
@@ -223,6 +225,7 @@ static PetscErrorCode Run(MpmCommandLine *line, ErrorContext *context, int *stat
     PetscCall(PetscOptionsClearValue(NULL, "-h"));
   }
   if (!help) {
+    if (line->picture) PetscCall(MpmPictureDraw(PETSC_COMM_WORLD, model, line->picture));
     PetscCall(MpmSignalsCatch());
     if (line->task == MPM_TASK_CHECK) PetscCall(MpmModelCheck(model, status));
     else PetscCall(MpmModelRun(model, status));
@@ -263,6 +266,7 @@ int main(int argc, char **argv)
       lacks);
     return 1;
   }
+  if (MpmScriptNamed(argc, argv)) return MpmScriptRun(argc, argv);
   if (MpmCommandLineRead(argc, argv, &line) || Initialize(line.count, line.words, &words)) return 1;
   (void)signal(SIGPIPE, SIG_DFL); /* who reads the output through `head` has seen enough: no traceback */
   PetscCall(PetscPushErrorHandler(HandleError, &context));

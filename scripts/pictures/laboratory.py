@@ -11,6 +11,8 @@ from matplotlib.ticker import LogFormatter
 from results import ResultsError, von_mises
 from tables import TableError, read_rows, read_table
 
+from . import style
+
 COLUMNS = ("strain_yy", "strain_xy", "p", "q", "eps_v", "e")
 RUN = {"linewidth": 1.8, "color": "C0", "label": "Talus"}
 THEORY = {"linestyle": "--", "linewidth": 1.2, "color": "black", "label": "theory"}

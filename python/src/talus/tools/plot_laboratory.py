@@ -1,1 +1,0 @@
-../../../../scripts/plot_laboratory.py

@@ -1,1 +1,0 @@
-../../../../scripts/plot_lines.py
