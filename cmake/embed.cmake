@@ -1,5 +1,5 @@
-# Writes ${OUT}: one line {"name", "text"}, for each preset of ${DIR}. Run with cmake -P.
-file(GLOB files "${DIR}/*.opts")
+# Writes ${OUT}: one line {"name", "text"}, for each file ${FILES}, a pattern. Run with cmake -P.
+file(GLOB files "${FILES}")
 set(text "")
 foreach(file ${files})
   get_filename_component(name ${file} NAME_WE)

@@ -68,6 +68,7 @@ if(Python3_Interpreter_FOUND)
   install(FILES ${manual}/_talus DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
   install(FILES ${manual}/talus.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/talus)
 endif()
+install(DIRECTORY templates DESTINATION ${CMAKE_INSTALL_DATADIR}/talus)
 install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(PROGRAMS scripts/plot.py scripts/results.py scripts/tables.py scripts/xdmf.py

@@ -40,6 +40,7 @@ PetscErrorCode MpmHelpUsage(MPI_Comm comm, FILE *file)
                  "       mpiexec -n 4 talus SCENE.yaml [-option value ...]         in parallel\n"
                  "       talus check SCENE.yaml [--picture FILE.png]               sizes, time, first step; a picture\n"
                  "       talus plot PREFIX [--help], talus view PREFIX             pictures of results\n"
+                 "       talus new [NAME [FILE]]                                   a scene to start from\n"
                  "       talus help [TOPIC | -mpm_option]                          part of the manual\n"
                  "       talus SCENE.yaml -help                                    the options of that scene\n"
                  "       talus -help, talus -help=json                             all options\n"

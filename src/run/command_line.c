@@ -9,6 +9,19 @@
 
 static const char option_file[] = "-options_file";
 
+/* The task that a first word stands for. */
+static MpmTask FirstTask(const char word[])
+{
+  static const struct {
+    const char *word;
+    MpmTask     task;
+  } tasks[] = {{"help", MPM_TASK_TOPIC}, {"check", MPM_TASK_CHECK}, {"new", MPM_TASK_NEW}};
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(tasks); k++)
+    if (!strcmp(word, tasks[k].word)) return tasks[k].task;
+  return MPM_TASK_RUN;
+}
+
 /* True where this word asks for a page in place of a run. */
 static int FindTask(const char word[], MpmTask *task)
 {
@@ -28,26 +41,25 @@ static int FindTask(const char word[], MpmTask *task)
 
 int MpmCommandLineRead(int argc, char **argv, MpmCommandLine *line)
 {
-  int       next = 1, scenes = 1;
-  const int help = argc > 1 && !strcmp(argv[1], "help"), check = argc > 1 && !strcmp(argv[1], "check");
+  int           next = 1, scenes = 1;
+  const MpmTask task = argc > 1 ? FirstTask(argv[1]) : MPM_TASK_RUN;
+  const int     page = task == MPM_TASK_TOPIC || task == MPM_TASK_NEW;
 
-  *line       = (MpmCommandLine){.task = help ? MPM_TASK_TOPIC : check ? MPM_TASK_CHECK : MPM_TASK_RUN, .count = 1};
+  *line       = (MpmCommandLine){.task = task, .count = 1};
   line->words = (char **)calloc(2 * (size_t)argc + 2, sizeof(char *));
   if (!line->words) return 1;
   line->words[0] = argv[0];
-  if (help) {
-    line->topic = argc > 2 ? argv[2] : NULL;
-    next        = argc > 2 ? 3 : 2;
-  }
-  if (check) next = 2;
+  if (task != MPM_TASK_RUN) next = 2;
+  if (page && next < argc) line->topic = argv[next++];
+  if (task == MPM_TASK_NEW && next < argc) line->file = argv[next++];
   for (int i = next; i < argc; i++) {
-    if (check && !strcmp(argv[i], "--picture")) {
+    if (task == MPM_TASK_CHECK && !strcmp(argv[i], "--picture")) {
       line->picture = i + 1 < argc ? argv[++i] : "";
       continue;
     }
     if (argv[i][0] == '-' && argv[i][1]) scenes = 0;
-    if (!help && FindTask(argv[i], &line->task)) continue;
-    if (scenes) {
+    if (!page && FindTask(argv[i], &line->task)) continue;
+    if (scenes && task != MPM_TASK_NEW) {
       line->words[line->count++] = (char *)option_file;
       line->scenes++;
     }

@@ -8,6 +8,7 @@
 #include "model/manual.h"
 #include "mpm_build.h"
 #include "run/pages.h"
+#include "run/templates.h"
 #include "talus/talus.h"
 
 #define PAGE_LINES 50 /* a text of more goes through a pager */
@@ -182,6 +183,9 @@ PetscErrorCode MpmPagePrint(MPI_Comm comm, const MpmCommandLine *line)
     break;
   case MPM_TASK_VERSION:
     PetscCall(PrintVersion(comm));
+    break;
+  case MPM_TASK_NEW:
+    PetscCall(MpmTemplateWrite(comm, line));
     break;
   default:
     PetscCall(PrintManual(comm, line));
