@@ -1,6 +1,7 @@
 #pragma once
 /*
-  Fields of the points that are written: the register (point_columns.c), and the parts with rows in it.
+  Fields of the points that are written: the register (point_columns.c), the parts with rows in it, and the output
+  (fields.c).
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -20,6 +21,11 @@ PetscBool      MpmPointColumnsHave(const MpmPointColumns *columns, const char na
 PetscErrorCode MpmPointsAddColumns(MpmModel model, MpmPointColumns *columns);
 PetscErrorCode MpmStatesAddColumns(MpmModel model, MpmPointColumns *columns);
 
+/* Fields made from others, written on request alone (derived_fields.c). */
+PetscErrorCode MpmDerivedAddColumns(MpmModel model, MpmPointColumns *columns);
+
+/* F of a point as the results have it, nine components; in plane strain the third axis does not stretch. */
+void MpmPointDeformation(PetscInt dim, const MpmPoints *points, PetscInt p, PetscReal F[9]);
 /* A symmetric tensor of 4 or 6 components as the results have it: xx, yy, zz, xy, yz, xz. */
 static inline void MpmSymToSpace(PetscInt size, const PetscReal from[], PetscReal to[])
 {

@@ -12,14 +12,13 @@
 #include "query/model.h"
 #include "observe/point_columns.h"
 
-/* In plane strain the third axis does not stretch. */
-static void CopyF(PetscInt dim, const MpmPoints *points, PetscInt p, PetscReal to[])
+void MpmPointDeformation(PetscInt dim, const MpmPoints *points, PetscInt p, PetscReal F[9])
 {
   const PetscReal *from = MpmPointF(points, p);
 
   for (PetscInt a = 0; a < 3; a++)
-    for (PetscInt b = 0; b < 3; b++) to[3 * a + b] = a < dim && b < dim ? from[a * dim + b] : a == b ? 1. : 0.;
-  if (points->F_size > dim * dim) to[8] = from[dim * dim];
+    for (PetscInt b = 0; b < 3; b++) F[3 * a + b] = a < dim && b < dim ? from[a * dim + b] : a == b ? 1. : 0.;
+  if (points->F_size > dim * dim) F[8] = from[dim * dim];
 }
 
 static PetscErrorCode FillDisplacement(MpmModel model, const MpmPointColumn *column, PetscReal values[])
@@ -86,7 +85,7 @@ static PetscErrorCode FillF(MpmModel model, const MpmPointColumn *column, PetscR
   (void)column;
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
-  for (PetscInt p = 0; p < points.count; p++) CopyF(model->disc.dim, &points, p, &values[9 * p]);
+  for (PetscInt p = 0; p < points.count; p++) MpmPointDeformation(model->disc.dim, &points, p, &values[9 * p]);
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -125,7 +124,7 @@ static PetscErrorCode FillStrain(MpmModel model, const MpmPointColumn *column, P
       if (points.F_size == 5) values[6 * p + 2] = PetscLogReal(MpmPointF(&points, p)[4]);
       continue;
     }
-    CopyF(dim, &points, p, F);
+    MpmPointDeformation(dim, &points, p, F);
     PetscCall(MpmStrainFromDeformation(traits & MPM_LAW_SMALL_STRAIN ? MPM_STRAIN_ENGINEERING : MPM_STRAIN_LOG, F,
                                        &values[6 * p]));
   }

@@ -25,6 +25,7 @@ PetscErrorCode MpmResultsDestroy(MpmModel model)
   PetscCall(PetscFree(results->tracks.at));
   PetscCall(MpmNamesDestroy(results->tracks.count, &results->tracks.names));
   PetscCall(MpmNamesDestroy(results->states.chosen_count, &results->states.chosen));
+  PetscCall(MpmNamesDestroy(results->states.derived_count, &results->states.derived));
   PetscCall(PetscFree(results->states.fields.at));
   PetscCall(PetscFree(results->added.fields.at));
   PetscCall(MpmColumnsDestroy(&results->columns));
@@ -52,6 +53,11 @@ PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block)
   PetscCall(MpmOptionsNames(block, "fields",
                             "fields of the points that are written besides id and position; default: all", MPM_OPTIONAL,
                             &model->results->states.chosen_count, &model->results->states.chosen));
+  PetscCall(MpmOptionsNames(block, "derived",
+                            "fields of the points made from others, written besides: green_lagrange_strain, "
+                            "logarithmic_strain, volumetric_strain, deviatoric_strain, principal_stress, p, q, "
+                            "mobilised_friction, excess_pressure; or all",
+                            MPM_OPTIONAL, &model->results->states.derived_count, &model->results->states.derived));
   if (!MpmOptionsHelp()) PetscCall(MpmFieldsSetUp(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

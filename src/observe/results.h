@@ -39,7 +39,7 @@ typedef struct {
   PetscReal seconds, steps;
 } MpmStepCost;
 
-/* What steps have cost, and how they grow (time_left.c). */
+/* Costs of steps by kind, and their growth (time_left.c). */
 typedef struct {
   MpmStepCost cost[MPM_STEP_KINDS];
   PetscReal   explicit_step; /* s, of the last explicit step; 0: none yet */
@@ -87,6 +87,8 @@ typedef struct {
   PetscBool       grid, single;
   PetscInt        chosen_count; /* 0: all fields */
   char          **chosen;
+  PetscInt        derived_count; /* fields on request, beside the chosen ones */
+  char          **derived;
   MpmPointColumns fields; /* among which the scene chooses */
   MpmOutput       file;
 } MpmWrittenStates;

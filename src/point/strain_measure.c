@@ -35,6 +35,16 @@ static PetscErrorCode Principal(const PetscReal full[9], PetscReal value[3], Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmPrincipalValues(const PetscReal sym[MPM_SPACE_SYM], PetscReal value[3])
+{
+  PetscReal full[9], axes[9];
+
+  PetscFunctionBeginUser;
+  FullFromSym(sym, full);
+  PetscCall(Principal(full, value, axes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* sum_ab middle_ab axis_a (x) axis_b */
 static void FromAxes(const PetscReal axes[9], const PetscReal middle[9], PetscReal full[9])
 {

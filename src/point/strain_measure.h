@@ -29,5 +29,7 @@ PetscErrorCode MpmStretchDerivative(MpmStrainMeasure measure, const PetscReal st
                                     PetscReal dF[9]);
 /* The volume strain: ln J or J - 1. */
 PetscReal MpmVolumeStrain(MpmStrainMeasure measure, const PetscReal F[9]);
+/* Principal values of a symmetric tensor, ascending. */
+PetscErrorCode MpmPrincipalValues(const PetscReal sym[MPM_SPACE_SYM], PetscReal value[3]);
 /* sqrt(3/2 dev a : dev a): sqrt(3 J2) of a stress; times 2/3 it is the shear strain sqrt(2/3 dev e : dev e). */
 PetscReal MpmDeviatorSize(const PetscReal sym[MPM_SPACE_SYM]);
