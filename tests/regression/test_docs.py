@@ -7,7 +7,7 @@ Fenced blocks are read in their order, page by page, in a folder that looks like
     console   commands that a test cannot run, and what programs print; left alone
     others    a file, whose first line names it (`# ground.yaml`)
 
-A file that nothing uses is a failure, and so are a link to nowhere and a block without a language. The sources' comments
+A file that nothing uses, by its name or by that of its folder, is a failure, and so are a link to nowhere and a block without a language. The sources' comments
 name nothing that does not exist, and none stands on another one, away from what it describes.
 """
 import os
@@ -98,7 +98,7 @@ def read_page(test, page, folder, environment, unused):
             if status != expected:
                 print(said)
             test.check(f"{label}:{shlex.split(command)[0]}:exit_status", status, expected, expected)
-            unused -= {name for name in unused if name in command}
+            unused -= {name for name in unused if name in command or str(Path(name).parent) in command.split()}
             count += 1
     return count
 

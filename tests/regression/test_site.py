@@ -93,8 +93,24 @@ def check_laws(test):
         test.check(f"laws.{law}.source", len(re.findall(r"^Sources?:", text, re.MULTILINE)), 1)
 
 
+def check_lists(test):
+    """Lists written by hand have all that there is: examples, folders of the sources, notebooks and pages."""
+    listed = (ROOT / "examples" / "README.md").read_text(encoding="utf-8")
+    for place in ROOT.glob("examples/*/README.md"):
+        test.check(f"examples.{place.parent.name}", f"({place.parent.name}/README.md)" in listed, 1, 1)
+    folders = re.findall(r"`(\w+)`", (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8").partition("other folders")[0])
+    for place in (ROOT / "src").iterdir():
+        if any(place.glob("*.[ch]")):
+            test.check(f"architecture.{place.name}", place.name in folders, 1, 1)
+    index = (ROOT / "docs" / "README.md").read_text(encoding="utf-8")
+    for place in (ROOT / "docs").glob("*.ipynb"):
+        test.check(f"contents.{place.name}", f"({place.name})" in index, 1, 1)
+    test.check("readme.lines", len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()), None, 100)
+
+
 def main():
     with Test() as test:
+        check_lists(test)
         check_links(test)
         check_theory(test)
         check_laws(test)
