@@ -138,7 +138,10 @@ def plot_history(results, scene, arguments):
         if rows > 1 and len(members) > 1:
             panel.legend()
     if rows == 1 and len(lines) > 1:
-        panels[0].legend(handles=lines, loc="best").set_zorder(9)
+        if second is None:
+            panels[0].legend(handles=lines)
+        else:
+            style.legend_below(panels[0], lines)  # in neither axes is it known what the other has drawn
     panels[-1].set_xlabel(units.with_unit(x_label, x_unit))
     figure.suptitle(arguments.title or scene.title)
     return figure

@@ -16,6 +16,10 @@ SLIVER = 1e-6  # of a domain: less of a region is left out
 Domains = namedtuple("Domains", "corners owner start number")
 
 
+# A body's region in the plane: its outline, rows of its points, and outlines of bodies that replace it.
+Region = namedtuple("Region", "polygon rows replaced")
+
+
 def deformation(state):
     """F in the plane, (points, dim, dim)."""
     dim = state.dim
@@ -60,6 +64,20 @@ def clip(polygon, low, high):
     return corners
 
 
+def in_polygon(place, corners, reach=0.0):
+    """Which places lie inside a polygon or within `reach` of its edges; by crossings of a ray."""
+    inside, near = np.zeros(len(place), bool), np.zeros(len(place), bool)
+    for a, b in zip(corners, np.roll(corners, -1, axis=0)):
+        edge, from_a = b - a, place - a
+        crosses = (a[1] > place[:, 1]) != (b[1] > place[:, 1])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inside ^= crosses & (place[:, 0] < a[0] + edge[0] * from_a[:, 1] / edge[1])
+        if reach > 0.0:
+            along = np.clip(from_a @ edge / max(edge @ edge, 1e-300), 0.0, 1.0)
+            near |= np.linalg.norm(from_a - along[:, None] * edge, axis=1) <= reach
+    return inside | near
+
+
 def area(corners):
     x, y = np.asarray(corners, float).T
     return 0.5 * abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
@@ -76,9 +94,9 @@ def crossed(low, high, polygon):
     return found
 
 
-def cut_cells(polygon, place, lengths, rows):
+def cut_cells(region, place, lengths):
     """Pieces of the lattice at a region's edge: (owner, corners). Cells that have no point go with a neighbour's."""
-    half = 0.5 * lengths
+    polygon, rows, half = region.polygon, region.rows, 0.5 * lengths
     lattice = np.rint((place - place[0]) / lengths).astype(np.int64)
     there = {tuple(cell): row for cell, row in zip(lattice.tolist(), rows.tolist())}
     pieces = {}
@@ -86,7 +104,8 @@ def cut_cells(polygon, place, lengths, rows):
         pieces[tuple(lattice[k])] = (rows[k], clip(polygon, place[k] - half, place[k] + half))
     for dx, dy in ((0, -1), (0, 1), (-1, 0), (1, 0), (-1, -1), (-1, 1), (1, -1), (1, 1)):
         beside = place + np.array([dx, dy]) * lengths
-        for k in np.flatnonzero(crossed(beside - half, beside + half, polygon)):
+        free = ~np.any([in_polygon(beside, other) for other in region.replaced], axis=0) if region.replaced else True
+        for k in np.flatnonzero(crossed(beside - half, beside + half, polygon) & free):
             cell = (lattice[k][0] + dx, lattice[k][1] + dy)
             if cell not in there and cell not in pieces:
                 pieces[cell] = (rows[k], clip(polygon, beside[k] - half, beside[k] + half))
@@ -95,13 +114,13 @@ def cut_cells(polygon, place, lengths, rows):
 
 
 def starting_pieces(origin, regions):
-    """Domains at first: boxes, and pieces of boxes where a body's region cuts them. `regions`: (polygon, its points' rows)."""
+    """Domains at first: boxes, and pieces of boxes where a body's region cuts them. `regions`: see Region."""
     boxes = origin.position[:, None, :] + 0.5 * SQUARE * origin.lengths[:, None, :]
     pieces, whole = [], np.ones(len(boxes), bool)
-    for polygon, rows in regions:
-        lengths = origin.lengths[rows]
-        if len(rows) and np.ptp(lengths, axis=0).max() < CORNER * lengths.min():
-            pieces += cut_cells(polygon, origin.position[rows], lengths[0], rows)
+    for region in regions:
+        lengths = origin.lengths[region.rows]
+        if len(lengths) and np.ptp(lengths, axis=0).max() < CORNER * lengths.min():
+            pieces += cut_cells(region, origin.position[region.rows], lengths[0])
     whole[[owner for owner, _ in pieces]] = False
     lost = np.setdiff1d(np.flatnonzero(~whole), [owner for owner, corners in pieces if _covers(corners, origin, owner)])
     whole[lost] = True  # of these only a neighbour's cell was cut

@@ -5,7 +5,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Patch, Polygon
-from matplotlib.transforms import offset_copy
 
 from results import ResultsError
 
@@ -15,7 +14,6 @@ from .space import draw_space, space_frame
 from .states import TITLE, figure_size, new_axes, read_points
 from .fields import Scale
 
-LABEL = 30  # points: numbers and label of the x axis
 LINES = 60  # of the grid along an axis; finer grids show every second, third or so
 
 
@@ -85,12 +83,6 @@ class WholeScene:
         return all_of(self.scene, kind)
 
 
-def legend_below(figure, axes, handles):
-    """The materials below the axes and their label."""
-    below = offset_copy(axes.transAxes, figure, y=-LABEL, units="points")
-    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below, ncols=min(len(handles), 5))
-
-
 def plot_scene(results, scene, arguments):
     """The figure of a scene in its first state."""
     if scene.get("physics") == "stress_point":
@@ -114,7 +106,7 @@ def plot_scene(results, scene, arguments):
     handles = [Patch(facecolor=colour, edgecolor=style.INK, linewidth=0.5, label=text) for colour, text in shown]
     handles += [Patch(facecolor=style.material_colour(scene.materials.index(name)), alpha=0.5, label=name) for name in dict.fromkeys(joining)
                 if name in scene.materials and name not in [text for _, text in shown]]
-    legend_below(figure, axes, handles)
+    style.legend_below(axes, handles)
     words = notes(scene) + ([f"one line of the grid in {every} is drawn"] if every > 1 else [])
     if words:
         axes.text(0.01, 0.99, "\n".join(words), transform=axes.transAxes, va="top", ha="left", fontsize=6.5, color="0.35", path_effects=style.HALO, zorder=9)
@@ -133,6 +125,6 @@ def plot_space(results, scene, state, arguments):
     axes = new_axes(figure, False)
     draw_space(axes, results, scene, state, state["material"].astype(float), Scale(colours, -0.5, count - 0.5), arguments)
     handles = [Patch(facecolor=style.material_colour(k), edgecolor=style.INK, linewidth=0.5, label=name) for k, name in enumerate(scene.materials)]
-    legend_below(figure, axes, handles)
+    style.legend_below(axes, handles)
     figure.suptitle("\n".join(textwrap.wrap(arguments.title or scene.title, TITLE)))
     return figure

@@ -126,13 +126,24 @@ def arrow(axes, tail, tip, text=None):
         style.name(axes, *tail, text, color=style.LOAD, va="bottom" if tail[1] >= tip[1] else "top", clip_on=True)
 
 
+def even_row(places):
+    """Places of an edge, at most ARROWS of them and evenly spaced along it."""
+    axis = int(np.argmax(np.ptp(places, axis=0)))
+    order = np.argsort(places[:, axis], kind="stable")
+    along, across = places[order, axis], places[order, 1 - axis]
+    if len(np.unique(np.round(along, 9))) <= ARROWS:
+        return places[order]
+    even = np.linspace(along[0], along[-1], ARROWS)
+    row = np.empty((ARROWS, 2))
+    row[:, axis], row[:, 1 - axis] = even, np.interp(even, along, across)
+    return row
+
+
 def draw_row(axes, places, direction, extent, text):
     """Arrows that push or pull at places of an edge, and one text."""
-    order = np.lexsort((places[:, 1], places[:, 0]))
-    chosen = places[order[np.unique(np.linspace(0, len(order) - 1, min(ARROWS, len(order))).round().astype(int))]]
-    middle = len(chosen) // 2
+    chosen = even_row(places)
     for k, place in enumerate(chosen):
-        arrow(axes, place - ARROW * extent * direction, place, text if k == middle else None)
+        arrow(axes, place - ARROW * extent * direction, place, text if k == len(chosen) // 2 else None)
 
 
 def draw_loads(axes, look, scene, stage, time):
@@ -272,8 +283,11 @@ class Reach:
     def annotate(self, _text, tip, tail, **_options):
         self.places += [tip, tail]
 
-    def __getattr__(self, name):
-        return lambda *_values, **_options: None
+    def add_collection(self, collection, autolim=True):
+        """Symbols of conditions lie within the margin."""
+
+    def text(self, *values, **options):
+        """Texts have a margin of their own."""
 
 
 def widen(look, scene, time, stage):

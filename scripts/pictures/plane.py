@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
 from . import style
-from .domains import first_domains, frame_of, moved_domains, outline
+from .domains import Region, first_domains, frame_of, moved_domains, outline
 
 MARGIN = 0.06  # of the larger extent, around the material
 ARROWS = 16  # along the longer side
@@ -43,15 +43,17 @@ def bodies_of(scene, state, origin):
     if not scene.options:
         return np.zeros(count, int), [], None
     body = scene.body_of_points(state, origin)
-    regions = []
-    for number, one in enumerate(scene.bodies()):
+    regions, bodies = [], scene.bodies()
+    for number, one in enumerate(bodies):
         low, high = scene.clip(f"body_{one.name}")
         own = np.flatnonzero(body == number)
         if one.polygon is None or scene.get(f"body_{one.name}_region") == "box" or np.isfinite([low, high]).any() or not len(own):
             continue
         usual = np.median(origin.lengths[own], axis=0)
         alike = np.all(np.abs(origin.lengths[own] - usual) < 1e-4 * usual, axis=1)  # without what fills a gap below the body
-        regions.append((one.polygon, own[alike & scene.contains(f"body_{one.name}", origin.position[own])]))
+        replaced = [other.polygon for other in bodies if other.polygon is not None and other is not one
+                    and scene.get(f"body_{other.name}_priority") == "true"]
+        regions.append(Region(one.polygon, own[alike & scene.contains(f"body_{one.name}", origin.position[own])], replaced))
     return body, regions, body if scene.list("contacts") else None
 
 
@@ -154,7 +156,7 @@ def draw_arrows(axes, look, name):
     size = np.max(np.linalg.norm(vectors[chosen], axis=1), initial=0.0)
     if size > 0.0:
         axes.quiver(*look.state["position"][chosen].T, *vectors[chosen].T, angles="xy", scale_units="xy", scale=size / spacing,
-                    units="inches", width=0.013, pivot="mid", color=style.INK, zorder=6)
+                    units="inches", width=0.014, pivot="mid", color=style.INK, edgecolor="white", linewidth=0.3, zorder=6)
     return size
 
 

@@ -1,11 +1,13 @@
 """The scene behind results: its bodies, conditions, loads, boundaries, water and stages, as the options in force say."""
 import math
-import re
 from collections import namedtuple
 
 import numpy as np
 
 from results import ResultsError, read_columns
+
+from .domains import in_polygon
+from .layers import in_layer, layer_polygon
 
 Body = namedtuple("Body", "name material polygon joins")
 Stage = namedtuple("Stage", "name resets")
@@ -110,7 +112,7 @@ class Scene:
         elif kind == "sphere" and self.dim == 2:
             corners = circle(self.vector(f"{block}_center"), self.vector(f"{block}_radius")[0])
         else:
-            return None
+            return layer_polygon(self, block) if kind == "layers" and self.dim == 2 else None
         return corners
 
     def clip(self, block):
@@ -132,6 +134,8 @@ class Scene:
         if kind == "sphere":
             centre, radius = self.vector(f"{block}_center"), self.vector(f"{block}_radius")[0]
             return inside & (np.linalg.norm(place - centre, axis=1) <= radius + reach)
+        if kind == "layers":
+            inside &= in_layer(self, block, place, reach)
         if kind == "polygon":
             inside &= in_polygon(place[:, :2], self.polygon(block), reach)
             if self.dim == 3:
@@ -268,22 +272,3 @@ class Scene:
 def circle(centre, radius):
     angle = np.linspace(0.0, 2.0 * np.pi, ROUND, endpoint=False)
     return np.asarray(centre) + radius * np.column_stack([np.cos(angle), np.sin(angle)])
-
-
-def in_polygon(place, corners, reach=0.0):
-    """Which places lie inside a polygon or within `reach` of its edges; by crossings of a ray."""
-    inside, near = np.zeros(len(place), bool), np.zeros(len(place), bool)
-    for a, b in zip(corners, np.roll(corners, -1, axis=0)):
-        edge, from_a = b - a, place - a
-        crosses = (a[1] > place[:, 1]) != (b[1] > place[:, 1])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            inside ^= crosses & (place[:, 0] < a[0] + edge[0] * from_a[:, 1] / edge[1])
-        if reach > 0.0:
-            along = np.clip(from_a @ edge / max(edge @ edge, 1e-300), 0.0, 1.0)
-            near |= np.linalg.norm(from_a - along[:, None] * edge, axis=1) <= reach
-    return inside | near
-
-
-def plain_name(text):
-    """A block's name as words."""
-    return re.sub(r"_+", " ", text)

@@ -2,15 +2,19 @@
 
 Colours of lines and materials are those of Okabe and Ito (2008); fields have viridis, or a diverging map about zero."""
 import matplotlib.pyplot as plt
+import numpy as np
 from cycler import cycler
 from matplotlib import patheffects
+from matplotlib.transforms import offset_copy
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#F0E442")
 GROUND = ("#D9C9A3", "#B7C9D9", "#C5D6B0", "#E3BFA8", "#D4C2DC", "#EFE3A0", "#BFDAD6", "#CFCFCF")  # of materials, pale
 SEQUENTIAL, DIVERGING = "viridis", "RdBu_r"
 INK, SOFT, WATER, FIXED, LOAD, RIGID = "0.1", "0.6", "#0072B2", "0.25", "#B22222", "0.45"
 WIDTH = 5.2  # inches: 8.5 pt here are 6 pt in a column of 9 cm
-SMALL = 7.5  # points: names within a picture
+SMALL, TINY = 7.5, 5.0  # points: names within a picture, and within a small one
+FILLED = 0.075  # of the height of small axes: a name
+LABEL = 30.0  # points: numbers and label of the x axis
 DPI, DPI_SHEET = 190, 120  # of one picture, and of a sheet of several, 10 to 12 inches wide
 HALO = [patheffects.withStroke(linewidth=1.8, foreground="white")]
 
@@ -41,8 +45,16 @@ def open_axes(axes):
 
 def name(axes, x, y, text, **options):
     """A name within a picture, readable on every colour."""
-    options = {"fontsize": SMALL, "ha": "center", "va": "center", "color": INK, "zorder": 8, "clip_on": True, **options}
+    height = axes.get_window_extent().height * 72.0 / axes.figure.dpi if hasattr(axes, "get_window_extent") else np.inf
+    size = float(np.clip(FILLED * height, TINY, SMALL))
+    options = {"fontsize": size, "ha": "center", "va": "center", "color": INK, "zorder": 8, "clip_on": True, **options}
     return axes.text(x, y, text, path_effects=HALO, **options)
+
+
+def legend_below(axes, handles):
+    """A legend below the axes and their label."""
+    below = offset_copy(axes.transAxes, axes.figure, y=-LABEL, units="points")
+    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below, ncols=min(len(handles), 5))
 
 
 def material_colour(number):

@@ -79,7 +79,7 @@ def check_cut(test):
     x, y = (axis.ravel() for axis in np.meshgrid(np.arange(-0.95, 1.0, 0.1), np.arange(-0.95, 1.0, 0.1)))
     place = np.column_stack([x, y])[x**2 + y**2 < 0.81]
     ring = 0.9 * np.column_stack([np.cos(np.linspace(0, 2 * np.pi, 200, endpoint=False)), np.sin(np.linspace(0, 2 * np.pi, 200, endpoint=False))])
-    first = domains.first_domains(Origin(place, np.full(place.shape, 0.1)), [(ring, np.arange(len(place)))])
+    first = domains.first_domains(Origin(place, np.full(place.shape, 0.1)), [domains.Region(ring, np.arange(len(place)), [])])
     test.near("disc.area", sum(domains.area(corners) for corners in first.corners), domains.area(ring), relative=1e-9)
     segments, _ = domains.outline(first, np.zeros(len(place), int))
     test.check("disc.outline", np.abs(np.linalg.norm(segments, axis=2) - 0.9).max(), None, 1e-3)
