@@ -118,6 +118,8 @@ def check_run(test):
     test.check("run.points", one.points["stress"].shape == (2304, 6) and one.states == [0, 4] and one.points.step == 4, 1, 1)
     test.check("run.first", one.state("first").time, 0, 0)
     test.check("run.html", "completed" in one._repr_html_() and "track_toe_ux" in one._repr_html_(), 1, 1)
+    test.check("run.film", talus.plot.film(one, test.folder() / "film.gif", field="von_mises").read_bytes()[:3] == b"GIF", 1, 1)
+    test.check("run.scene", talus.plot.scene(COLLAPSE).png[:4] == b"\x89PNG", 1, 1)
     test.check("run.picture", one.plot(field="stress", component="yy")._repr_png_()[:4] == b"\x89PNG", 1, 1)
     if importlib.util.find_spec("pyvista"):
         test.check("run.pyvista", one.to_pyvista().point_data["displacement"].shape == (2304, 3), 1, 1)

@@ -8,10 +8,12 @@
     print(results.history["track_toe_ux"].iloc[-1])
 """
 from . import templates
+from . import plot
 from .calibration import Calibration, calibrate
 from .errors import RunError, SceneError
 from .program import find_program
-from .results import Picture, Results, ResultsError, State
+from .plot import Picture
+from .results import Results, ResultsError, State
 from .running import run
 from .scene import Scene
 from .sweeps import sweep

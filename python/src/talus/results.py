@@ -3,9 +3,6 @@ from __future__ import annotations
 
 import functools
 import html
-import subprocess
-import sys
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from .plot import Picture, draw
 from .tools import results as files
 
-PLOT = Path(__file__).parent / "tools" / "plot.py"
 ResultsError = files.ResultsError
 Fields = dict[str, npt.NDArray[Any]]
 
@@ -26,20 +23,6 @@ class State(Fields):
     def __init__(self, step: int, time: float, fields: Fields) -> None:
         super().__init__(fields)
         self.step, self.time = step, time
-
-
-class Picture:
-    """A picture that notebooks show."""
-
-    def __init__(self, png: bytes) -> None:
-        self.png = png
-
-    def _repr_png_(self) -> bytes:
-        return self.png
-
-    def save(self, path: str | Path) -> None:
-        """Writes the picture as PNG."""
-        Path(path).write_bytes(self.png)
 
 
 class Results:
@@ -117,24 +100,8 @@ class Results:
         return cloud
 
     def plot(self, **options: Any) -> Picture:
-        """Draws the results by the program's `plot.py`.
-
-        Args:
-            options: those of `plot.py`, as field="stress", component="yy", step=20, deformed=True, or
-                history=["track_tip_uy"], x="load", or measured="data.csv" for a laboratory test.
-        """
-        with tempfile.TemporaryDirectory(prefix="talus_") as folder:
-            picture = Path(folder) / "picture.png"
-            words = [str(Path(self._files.prefix).resolve()), "--output", str(picture)]
-            for name, value in options.items():
-                if value is False or value is None:
-                    continue
-                values = [] if value is True else value if isinstance(value, (list, tuple)) else [value]
-                words += ["--" + name.replace("_", "-"), *map(str, values)]
-            done = subprocess.run([sys.executable, str(PLOT), *words], capture_output=True, text=True, check=False)
-            if done.returncode or not picture.exists():
-                raise ResultsError((done.stderr.strip().splitlines() or ["plot.py drew nothing"])[-1])
-            return Picture(picture.read_bytes())
+        """Draws the results; options are those of `talus plot`, see `talus.plot.draw`."""
+        return draw(self, **options)
 
     def _repr_html_(self) -> str:
         summary = self.summary
