@@ -1,4 +1,5 @@
-# cmake --install: the program, both libraries, the public headers, a CMake package and a pkg-config file.
+# cmake --install: the program, both libraries, the public headers, a CMake package, a pkg-config file, documents and examples, in the
+# components program, library, development and documents.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -29,10 +30,11 @@ configure_package_config_file(cmake/TalusConfig.cmake.in ${PROJECT_BINARY_DIR}/g
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/generated/TalusConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 
 install(TARGETS talus RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-install(TARGETS mpm talus_shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY include/talus DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(TARGETS talus_shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
+install(TARGETS mpm ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+install(DIRECTORY include/talus DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.h")
 install(FILES ${PROJECT_BINARY_DIR}/generated/TalusConfig.cmake ${PROJECT_BINARY_DIR}/generated/TalusConfigVersion.cmake
-  cmake/TalusKernels.cmake cmake/plugin.c.in DESTINATION ${package})
+  cmake/TalusKernels.cmake cmake/plugin.c.in DESTINATION ${package} COMPONENT development)
 # The prefix is known only when it is installed to.
 install(CODE "get_filename_component(CMAKE_INSTALL_PREFIX \"\${CMAKE_INSTALL_PREFIX}\" ABSOLUTE)
 set(talus_source \"${PROJECT_SOURCE_DIR}\")
@@ -43,7 +45,7 @@ set(TALUS_PC_PRIVATE \"${TALUS_PC_PRIVATE}\")
 set(CMAKE_INSTALL_FULL_INCLUDEDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")
 set(CMAKE_INSTALL_FULL_LIBDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}\")
 configure_file(\${talus_source}/cmake/talus.pc.in
-  \"\$ENV{DESTDIR}\${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig/talus.pc\" @ONLY)")
+  \"\$ENV{DESTDIR}\${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig/talus.pc\" @ONLY)" COMPONENT development)
 
 # The manual in other forms, made from the program's own: schema of scenes, man page, completions.
 find_package(Python3 COMPONENTS Interpreter QUIET)
@@ -63,14 +65,19 @@ if(Python3_Interpreter_FOUND)
     list(APPEND pages ${page})
   endforeach()
   add_custom_target(manual ALL DEPENDS ${pages})
-  install(FILES ${manual}/talus.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-  install(FILES ${manual}/talus DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
-  install(FILES ${manual}/_talus DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
-  install(FILES ${manual}/talus.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/talus)
+  install(FILES ${manual}/talus.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT documents)
+  install(FILES ${manual}/talus DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT documents)
+  install(FILES ${manual}/_talus DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT documents)
+  install(FILES ${manual}/talus.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/talus COMPONENT documents)
 endif()
-install(DIRECTORY templates DESTINATION ${CMAKE_INSTALL_DATADIR}/talus)
-install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(PROGRAMS scripts/plot.py scripts/results.py scripts/tables.py scripts/xdmf.py
-  DESTINATION ${CMAKE_INSTALL_DATADIR}/talus/scripts)
-install(DIRECTORY scripts/pictures DESTINATION ${CMAKE_INSTALL_DATADIR}/talus/scripts FILES_MATCHING PATTERN "*.py")
+install(DIRECTORY templates DESTINATION ${CMAKE_INSTALL_DATADIR}/talus COMPONENT documents)
+install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documents PATTERN __pycache__ EXCLUDE)
+install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documents)
+install(FILES scripts/results.py scripts/tables.py DESTINATION ${CMAKE_INSTALL_DATADIR}/talus/scripts COMPONENT documents)
+install(PROGRAMS scripts/plot.py scripts/xdmf.py
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/talus/scripts COMPONENT documents)
+install(DIRECTORY scripts/pictures DESTINATION ${CMAKE_INSTALL_DATADIR}/talus/scripts COMPONENT documents FILES_MATCHING PATTERN "*.py")
+# The checks of the examples look for the scripts where they stand in the tree.
+file(RELATIVE_PATH talus_scripts ${CMAKE_INSTALL_FULL_DOCDIR} ${CMAKE_INSTALL_FULL_DATADIR}/talus/scripts)
+install(CODE "file(CREATE_LINK \"${talus_scripts}\" \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DOCDIR}/scripts\" SYMBOLIC)"
+  COMPONENT documents)

@@ -6,6 +6,11 @@
 #include "grid/grid.h"
 #include "space/point_loop.h"
 
+/* No vector crosses a call: all functions here are inlined. Without AVX gcc warns of its place in one. */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
 /* A vector of the processor; a pointer to numbers may be taken for one to vectors. */
 #define SLIM 4
 typedef PetscReal Slim __attribute__((vector_size(SLIM * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));

@@ -10,6 +10,7 @@ programs each add something from one file: a field of the points, columns of the
 Quick.
 """
 import math
+import shlex
 import shutil
 import sys
 from pathlib import Path
@@ -37,7 +38,8 @@ def install(test, build, prefix):
     for file in ("bin/talus", "lib/libtalus.a", "lib/libtalus.so", "include/talus/talus.h", "include/talus/plugin.h",
                  "include/talus/contact.h", "include/talus/point/law.h", "lib/cmake/Talus/TalusConfig.cmake", "lib/pkgconfig/talus.pc", "share/man/man1/talus.1",
                  "share/bash-completion/completions/talus", "share/zsh/site-functions/_talus", "share/talus/talus.schema.json",
-                 "share/doc/talus/README.md"):
+                 "share/doc/talus/README.md", "share/doc/talus/LICENSE", "share/doc/talus/docs/first-run.md",
+                 "share/doc/talus/examples/cantilever/check.py", "share/doc/talus/scripts/results.py", "share/talus/scripts/plot.py"):
         test.check(file, int((prefix / file).exists()), 1, 1)
     public = {path.relative_to(ROOT / "include") for path in (ROOT / "include").rglob("*.h")}
     installed = {path.relative_to(prefix / "include") for path in (prefix / "include").rglob("*") if path.is_file()}
@@ -50,8 +52,18 @@ def install(test, build, prefix):
 def with_pkg_config(test, prefix, folder):
     """The same program, by one line with pkg-config."""
     ENVIRONMENT["PKG_CONFIG_PATH"] = str(prefix / "lib" / "pkgconfig")
-    flags = must(test, "pkg_config", ["pkg-config", "--cflags", "--libs", "talus"], folder).split()
+    flags = shlex.split(must(test, "pkg_config", ["pkg-config", "--cflags", "--libs", "talus"], folder))
     must(test, "compile", ["cc", "-std=c11", SOURCES / "tied.c", "-o", "tied_pc", *flags], folder)
+
+
+def petsc_by_variables(test, top):
+    """PETSc is found by PETSC_DIR and PETSC_ARCH, and a wrong folder is named."""
+    found = must(test, "petsc_prefix", ["pkg-config", "--variable=prefix", "PETSc"], top).strip()
+    for folder, arch, status in ((Path(found).parent, Path(found).name, 0), (top / "nowhere", "arch", 1)):
+        process = call(["cmake", "-S", ROOT, "-B", top / f"by_variables_{status}", f"-DPETSC_DIR={folder}", f"-DPETSC_ARCH={arch}",
+                        "-DTALUS_TESTS=OFF"], top)
+        test.check(f"petsc_dir.{status}", process.returncode, status, status)
+        test.check(f"petsc_dir.{status}.named", int((f"PETSC_DIR={folder}" in process.stderr) == bool(status)), 1, 1)
 
 
 def tied(test, name, command, folder):
@@ -173,12 +185,13 @@ def main():
     build = Path(sys.argv[1]).resolve().parent
     with Test() as test:
         top = test.folder()
-        prefix, folder, copy = top / "prefix", top / "build", top / "sources"
+        prefix, folder, copy = top / "a prefix", top / "build", top / "sources"
         shutil.copytree(SOURCES, copy)  # outside the tree, so that nothing is found by accident
         install(test, build, prefix)
         must(test, "configure", ["cmake", "-S", copy, "-B", folder, f"-DCMAKE_PREFIX_PATH={prefix}"], top)
         must(test, "build", ["cmake", "--build", folder, "-j2"], top)
         with_pkg_config(test, prefix, folder)
+        petsc_by_variables(test, top)
         ENVIRONMENT["LD_LIBRARY_PATH"] = str(prefix / "lib")
         for program in ("tied", "tied_static", "tied_pc"):
             tied(test, program, [folder / program, folder / "toys.so", "-malloc_dump"], folder)
