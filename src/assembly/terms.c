@@ -188,11 +188,6 @@ PetscErrorCode MpmTermsEnergy(const MpmTerms *terms, const MpmSum *sum, const Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool IsPoints(const MpmTerm *term)
-{
-  return term->points;
-}
-
 static PetscBool IsOther(const MpmTerm *term)
 {
   return (PetscBool)!term->points;
@@ -215,10 +210,11 @@ static PetscErrorCode AddResidual(const MpmTerms *terms, PetscBool (*chosen)(con
 }
 
 PetscErrorCode MpmTermsResidualPoints(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[],
-                                      PetscReal residual[], PetscInt *failed)
+                                      const MpmTrial *trial, PetscReal residual[], PetscInt *failed)
 {
   PetscFunctionBeginUser;
-  PetscCall(AddResidual(terms, IsPoints, sum, u, residual, failed));
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->points) PetscCall(terms->term[k]->points(sum, u, trial, residual, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -238,13 +234,13 @@ PetscErrorCode MpmTermsResidualQuadratic(const MpmTerms *terms, const MpmSum *su
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
-                                PetscInt *failed)
+PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], const MpmTrial *trial,
+                                PetscReal residual[], PetscInt *failed)
 {
   PetscFunctionBeginUser;
   *failed = 0;
-  for (PetscInt k = 0; k < terms->count; k++)
-    if (!MpmTermsIdle(terms, k)) PetscCall(terms->term[k]->residual(terms->ctx[k], sum, u, residual, failed));
+  PetscCall(MpmTermsResidualPoints(terms, sum, u, trial, residual, failed));
+  PetscCall(MpmTermsResidualRest(terms, sum, u, residual, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

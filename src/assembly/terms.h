@@ -89,11 +89,13 @@ typedef struct {
   near      the term's note whether its contact is near enough to act in this step: its own rank's answer after `boxes`,
             that of all ranks later; NULL: the scene has none
 
-  points     the term is the physics at the points: first in the list, with forms of the Jacobian of its own
+  points    the physics at the points: first in the list, with forms of the Jacobian of its own. Residual as by
+            residual(), and the candidate of their state at the step's end into `trial`, unless NULL; NULL for others
 */
 struct MpmTerm {
   const char *name;
-  PetscBool   points;
+  PetscErrorCode (*points)(const MpmSum *sum, const PetscReal u[], const MpmTrial *trial, PetscReal residual[],
+                           PetscInt *failed);
   PetscBool (*idle)(const void *ctx);
   PetscErrorCode (*boxes)(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
   PetscErrorCode (*prepare)(void *ctx, const MpmTermStep *step);
@@ -154,12 +156,12 @@ PetscErrorCode MpmTermsResidualQuadratic(const MpmTerms *terms, const MpmSum *su
                                          PetscReal residual[], PetscInt *failed);
 /* Forces of the points alone, and of all others, added to `residual`. */
 PetscErrorCode MpmTermsResidualPoints(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[],
-                                      PetscReal residual[], PetscInt *failed);
+                                      const MpmTrial *trial, PetscReal residual[], PetscInt *failed);
 PetscErrorCode MpmTermsResidualRest(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                     PetscInt *failed);
-/* Sums over all terms; `blocks` starts from zero. */
-PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
-                                PetscInt *failed);
+/* Sums over all terms; `blocks` starts from zero; the points' state at the step's end into `trial`, unless NULL. */
+PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], const MpmTrial *trial,
+                                PetscReal residual[], PetscInt *failed);
 PetscErrorCode MpmTermsTangent(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
                                PetscReal residual[], PetscInt *failed);
 PetscErrorCode MpmTermsDiagonal(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],

@@ -147,7 +147,8 @@ PetscErrorCode MpmFacetsTurn(MpmFacets *facets, const MpmSum *sum, const PetscRe
       PetscReal again = 0.;
 
       for (PetscInt c = 0; c < dim; c++) again += W[a * dim + c] * way[c];
-      facet->turn += (1. - part) * sum->dt * facet->normal[a] * (way[a] + 0.5 * (1. + part) * sum->dt * again);
+      facet->turn +=
+        (1. - part) * sum->step.dt * facet->normal[a] * (way[a] + 0.5 * (1. + part) * sum->step.dt * again);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

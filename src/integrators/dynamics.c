@@ -42,6 +42,7 @@
 #include "assembly/terms.h"
 #include "volume/damping.h"
 #include "volume/inertia.h"
+#include "solve/iterate.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "scene/integrator_read.h"
@@ -88,7 +89,6 @@ void MpmDynamicsSetStage(MpmModel model)
 static void Stop(MpmModel model)
 {
   model->disc.context.inertia->active = model->disc.context.damping->active = PETSC_FALSE;
-  model->disc.sum->part                                                     = 1.;
 }
 
 PetscErrorCode MpmDynamicsBegin(MpmModel model)
@@ -269,19 +269,19 @@ static PetscErrorCode SetForces(MpmModel model, const MpmTimeMethod *method)
 static PetscErrorCode AddStart(MpmModel model, PetscReal alpha_f, MpmOutcome *outcome)
 {
   const PetscInt count  = model->disc.context.inertia->local * model->disc.block;
+  MpmSum         start  = *model->disc.sum;
+  MpmSumStep     step   = start.step;
   PetscInt       failed = 0;
   PetscReal     *still, *force;
 
   PetscFunctionBeginUser;
-  model->disc.sum->part = 1. - alpha_f;
+  step.part = 1. - alpha_f;
+  MpmDiscretizationSetStep(&model->disc, &step);
   if (!(alpha_f > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
+  start.step.part = 1.;
+  start.mode      = model->disc.layout->means ? MPM_MODE_END : MPM_MODE_START;
   PetscCall(PetscCalloc2(count, &still, count, &force));
-  model->disc.sum->part  = 1.;
-  model->disc.sum->rest  = (PetscBool)!model->disc.layout->means;
-  model->disc.sum->trial = NULL;
-  PetscCall(MpmTermsResidualPoints(model->disc.terms, model->disc.sum, still, force, &failed));
-  model->disc.sum->rest = PETSC_FALSE;
-  model->disc.sum->part = 1. - alpha_f;
+  PetscCall(MpmTermsResidualPoints(model->disc.terms, &start, still, NULL, force, &failed));
   for (PetscInt k = 0; k < count; k++) model->disc.nodal.force[k] -= alpha_f * force[k];
   PetscCall(PetscFree2(still, force));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
@@ -331,8 +331,7 @@ static PetscErrorCode FindAcceleration(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(PetscArrayzero(model->disc.nodal.u, model->disc.context.inertia->local * model->disc.block));
-  PetscCall(MpmSumResidual(&model->solver, &failed));
-  model->disc.trial->made = PETSC_FALSE;
+  PetscCall(MpmSumResidual(&model->solver, NULL, MPM_MODE_END, &failed));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
   if (failed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmNodesToGhosts(&model->disc, dim, model->disc.nodal.residual));
@@ -419,7 +418,7 @@ static PetscErrorCode Predict(MpmModel model)
 {
   const MpmDynamics *dynamics = model->state.scheme.dynamics;
   const PetscInt     n        = model->disc.context.inertia->owned * model->disc.dim;
-  const PetscReal    dt       = model->disc.sum->dt;
+  const PetscReal    dt       = model->disc.sum->step.dt;
   PetscScalar       *x;
 
   PetscFunctionBeginUser;

@@ -50,7 +50,7 @@ PetscErrorCode MpmDynamicsError(MpmModel model, PetscReal *estimate)
 {
   const MpmDynamics *dynamics = model->state.scheme.dynamics;
   const PetscBool    euler    = (PetscBool)(MpmModelMotion(model)->type == MPM_BACKWARD_EULER);
-  const PetscReal    by = euler ? 0.5 : MpmTimeMethodOf(model).beta - 1. / 6., dt = model->disc.sum->dt;
+  const PetscReal    by = euler ? 0.5 : MpmTimeMethodOf(model).beta - 1. / 6., dt = model->disc.sum->step.dt;
   const PetscInt     dim     = model->disc.dim;
   PetscReal          sums[2] = {0., 0.}, *largest = &model->state.scheme.error.trial;
   PetscReal         *change;

@@ -47,13 +47,14 @@
 /* For how long forces act in the step, s. */
 static PetscReal KickLength(const MpmModel model)
 {
-  return MpmModelRelaxes(model) ? model->disc.sum->dt : model->state.scheme.behind + 0.5 * model->disc.sum->dt;
+  return MpmModelRelaxes(model) ? model->disc.sum->step.dt
+                                : model->state.scheme.behind + 0.5 * model->disc.sum->step.dt;
 }
 
 /* For how long they would if the step were one of many: contact stops what comes near in such a one. */
 static PetscReal WholeKick(const MpmModel model)
 {
-  return model->state.scheme.behind > 0. ? KickLength(model) : model->disc.sum->dt;
+  return model->state.scheme.behind > 0. ? KickLength(model) : model->disc.sum->step.dt;
 }
 
 /* Room for the points' velocities. */
@@ -86,7 +87,6 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   PetscFunctionBeginUser;
   model->disc.context.inertia->active = PETSC_FALSE;
   model->disc.context.damping->active = PETSC_FALSE;
-  model->disc.sum->part               = 1.;
   model->state.scheme.load_at_start   = 1.; /* an increment's middle is the step's start */
   PetscCall(MpmStepBegin(model, time, dt, again, outcome));
   if (!outcome->code) PetscCall(Resize(model));
@@ -97,7 +97,7 @@ static PetscErrorCode Predict(MpmModel model)
 {
   PetscFunctionBeginUser;
   model->solver.iterations.newton = model->solver.iterations.linear = 0;
-  model->disc.trial->made                                           = PETSC_FALSE;
+  model->disc.trial->of.id                                          = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -114,23 +114,21 @@ static PetscBool IsPlain(const MpmModel model)
 static PetscErrorCode EvaluatePoints(MpmModel model, const PetscReal u[], PetscBool still, PetscReal *force,
                                      MpmOutcome *outcome)
 {
-  MpmSum        *sum    = model->disc.sum;
+  MpmSum         sum    = *model->disc.sum;
+  MpmTrial      *trial  = still ? NULL : model->disc.trial;
   PetscInt       failed = 0;
   PetscLogDouble since;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_RESIDUAL, &since));
-  sum->rest  = (PetscBool)(still && !model->disc.layout->means);
-  sum->trial = still ? NULL : model->disc.trial;
-  if (!force && !model->disc.layout->means) PetscCall(MpmPointsUpdate(sum, u, &failed));
+  sum.mode = still && !model->disc.layout->means ? MPM_MODE_START : MPM_MODE_END;
+  if (!force && !model->disc.layout->means) PetscCall(MpmPointsUpdate(&sum, u, trial, &failed));
   else {
     PetscReal *to = force ? force : model->state.scheme.dynamics->a_rest;
 
     PetscCall(PetscArrayzero(to, model->disc.space->local * model->disc.block));
-    PetscCall(MpmTermsResidualPoints(model->disc.terms, sum, u, to, &failed));
+    PetscCall(MpmTermsResidualPoints(model->disc.terms, &sum, u, trial, to, &failed));
   }
-  sum->rest  = PETSC_FALSE;
-  sum->trial = NULL;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
   if (failed) PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_ANSWER, "a point's law has no answer"));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_RESIDUAL, since));
@@ -140,13 +138,14 @@ static PetscErrorCode EvaluatePoints(MpmModel model, const PetscReal u[], PetscB
 /* u = dt v, at all local nodes */
 static void Displace(const MpmModel model, const PetscReal velocity[], PetscReal u[])
 {
-  for (PetscInt k = 0; k < model->disc.space->local * model->disc.dim; k++) u[k] = model->disc.sum->dt * velocity[k];
+  for (PetscInt k = 0; k < model->disc.space->local * model->disc.dim; k++)
+    u[k] = model->disc.sum->step.dt * velocity[k];
 }
 
 /* Displacement of the last step, by its velocities; none where a stage begins. */
 static void DisplaceLast(const MpmModel model, const PetscReal velocity[], PetscReal u[])
 {
-  const PetscReal dt = MpmModelRelaxes(model) ? model->disc.sum->dt : 2. * model->state.scheme.behind;
+  const PetscReal dt = MpmModelRelaxes(model) ? model->disc.sum->step.dt : 2. * model->state.scheme.behind;
 
   for (PetscInt k = 0; k < model->disc.space->local * model->disc.dim; k++) u[k] = dt * velocity[k];
 }
@@ -180,7 +179,7 @@ static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
       MpmExplicitPrescribeStart(model, dynamics->v_old)); /* velocities of supports do not come from the points */
   }
   for (PetscInt i = 0; i < local; i++)
-    for (PetscInt a = 0; a < dim; a++) force[i * dim + a] += mass[i] * model->disc.sum->gravity[a];
+    for (PetscInt a = 0; a < dim; a++) force[i * dim + a] += mass[i] * model->disc.sum->step.gravity[a];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -219,7 +218,7 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
   const PetscInt count    = model->disc.space->local * model->disc.dim;
   PetscReal     *other    = dynamics->a_rest;
   /* use the nominal step, so a shortened one does not stiffen contact */
-  const PetscReal dt     = PetscMax(PetscMax(model->disc.sum->dt, model->state.dt.wanted), WholeKick(model));
+  const PetscReal dt     = PetscMax(PetscMax(model->disc.sum->step.dt, model->state.dt.wanted), WholeKick(model));
   PetscInt        failed = 0;
 
   PetscFunctionBeginUser;
@@ -230,7 +229,7 @@ static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
     model->disc.context.damping->active = PETSC_TRUE;
   }
   Displace(model, dynamics->v_new, dynamics->a_start);
-  MpmLightNodesLimit(model, model->disc.sum->dt, dynamics->a_start);
+  MpmLightNodesLimit(model, model->disc.sum->step.dt, dynamics->a_start);
   PetscCall(PetscArrayzero(other, count));
   PetscCall(MpmTermsResidualRest(model->disc.terms, model->disc.sum, dynamics->a_start, other, &failed));
   PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.dim, other));
@@ -272,7 +271,7 @@ static void AddGravity(const MpmModel model, const PetscReal gravity[], PetscRea
 /* Half of gravity's increment in the step: from that of its start to the mean. */
 static void GravityGain(const MpmModel model, PetscReal gain[])
 {
-  const PetscReal end = model->state.time + model->disc.sum->span;
+  const PetscReal end = model->state.time + model->disc.sum->step.span;
 
   for (PetscInt a = 0; a < model->disc.dim; a++) gain[a] = 0.;
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
@@ -296,7 +295,7 @@ static PetscErrorCode FindForces(MpmModel model, MpmOutcome *outcome)
     Accelerate(model, WholeKick(model), force);
     PetscCall(AddOthers(model, force));
   }
-  AddGravity(model, model->disc.sum->gravity, model->disc.nodal.force);
+  AddGravity(model, model->disc.sum->step.gravity, model->disc.nodal.force);
   if (MpmModelRelaxes(model)) PetscCall(MpmRelaxationDamp(model, model->disc.nodal.force, force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -339,7 +338,7 @@ static PetscErrorCode UpdateStress(MpmModel model, const PetscReal *again, MpmOu
   if (MpmModelMotion(model)->update == MPM_UPDATE_USF) PetscFunctionReturn(PETSC_SUCCESS);
   Displace(model, again ? again : model->state.scheme.dynamics->v_new, model->disc.trial->u);
   if (!again && MpmExplicitIsLinear(model))
-    MpmLightNodesLimitGradients(model, KickLength(model), model->disc.sum->dt, model->disc.trial->u);
+    MpmLightNodesLimitGradients(model, KickLength(model), model->disc.sum->step.dt, model->disc.trial->u);
   PetscCall(EvaluatePoints(model, model->disc.trial->u, PETSC_FALSE, NULL, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -402,10 +401,10 @@ static PetscErrorCode AddWork(MpmModel model, PetscReal kick, MpmStepWork *work)
   work->owned    = model->disc.space->owned;
   if (!MpmModelRelaxes(model)) {
     work->kick = of->v_start;
-    work->part = kick / model->disc.sum->dt;
+    work->part = kick / model->disc.sum->step.dt;
     for (PetscInt k = 0; k < work->local * dim; k++)
-      of->v_start[k] = 0.5 * model->disc.sum->dt * (of->v_old[k] + of->v_new[k]);
-    MpmLightNodesLimit(model, model->disc.sum->dt, of->v_start);
+      of->v_start[k] = 0.5 * model->disc.sum->step.dt * (of->v_old[k] + of->v_new[k]);
+    MpmLightNodesLimit(model, model->disc.sum->step.dt, of->v_start);
     for (PetscInt k = 0; damping->active && k < work->owned * dim; k++) /* besides that of the velocities before */
       work->taken += 0.5 * damping->dashpot[k] * (of->v_new[k] - of->v_old[k]) * of->v_start[k];
   }
@@ -425,7 +424,7 @@ static PetscErrorCode Observe(MpmModel model)
     PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.constraints, model->disc.sum, model->disc.trial->u,
                                   model->state.particles));
   PetscCall(PetscArraycpy(dynamics->loads, model->disc.nodal.force, count));
-  PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 1., dynamics->loads));
+  PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->step.span, 1., dynamics->loads));
   GravityGain(model, gain);
   AddGravity(model, gain, dynamics->loads);
   PetscCall(AddWork(model, KickLength(model), &(MpmStepWork){.u = model->disc.nodal.u, .loads = dynamics->loads}));
@@ -435,7 +434,7 @@ static PetscErrorCode Observe(MpmModel model)
 /* Stress and history become the points', and the points go with the nodes' new velocities. */
 static PetscErrorCode Accept(MpmModel model)
 {
-  MpmSum          *sum      = model->disc.sum;
+  const MpmSum    *sum      = model->disc.sum;
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
   const PetscReal *at       = HasOthers(model) ? dynamics->a_start : model->disc.nodal.u; /* where contact acted */
   PetscLogDouble   since;
@@ -443,13 +442,11 @@ static PetscErrorCode Accept(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   PetscCall(Observe(model));
-  sum->trial = model->disc.trial;
-  if (model->disc.points->motion.increment) PetscCall(MpmCommitLocal(sum, model->disc.nodal.u));
-  else PetscCall(MpmCommitMoves(sum, sum->dt, dynamics->moves));
-  sum->trial = NULL;
+  if (model->disc.points->motion.increment) PetscCall(MpmCommitLocal(sum, model->disc.trial, model->disc.nodal.u));
+  else PetscCall(MpmCommitMoves(sum, model->disc.trial, sum->step.dt, dynamics->moves));
   if (HasOthers(model)) {
     Displace(model, dynamics->v_new, dynamics->v_start);
-    MpmLightNodesLimit(model, sum->dt, dynamics->v_start);
+    MpmLightNodesLimit(model, sum->step.dt, dynamics->v_start);
     MpmTermsArrive(model->disc.terms, dynamics->v_start);
   }
   PetscCall(MpmTermsCommit(model->disc.terms, sum, at, model->state.particles));
@@ -460,7 +457,7 @@ static PetscErrorCode Accept(MpmModel model)
   model->state.scheme.put_back        = PETSC_FALSE;
   model->disc.context.damping->active = PETSC_FALSE;
   model->state.dt.before = model->state.dt.last = 0.;
-  model->state.scheme.behind                    = MpmModelRelaxes(model) ? 0. : 0.5 * sum->dt;
+  model->state.scheme.behind                    = MpmModelRelaxes(model) ? 0. : 0.5 * sum->step.dt;
   model->disc.nodal.committed                   = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmStepRemoveGone(model));
@@ -470,7 +467,7 @@ static PetscErrorCode Accept(MpmModel model)
 static PetscErrorCode RollBack(MpmModel model)
 {
   PetscFunctionBeginUser;
-  model->disc.trial->made             = PETSC_FALSE;
+  model->disc.trial->of.id            = 0;
   model->disc.context.damping->active = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -500,10 +497,8 @@ static PetscErrorCode CatchUp(MpmModel model)
     work.u = model->disc.nodal.u;
     PetscCall(AddWork(model, behind, &work));
     PetscCall(MovePoints(model, behind, NULL));
-    model->disc.sum->trial = model->disc.trial;
     PetscCall(PetscArrayzero(dynamics->moves, model->disc.points->count * model->disc.dim));
-    if (first) PetscCall(MpmCommitMoves(model->disc.sum, 0., dynamics->moves));
-    model->disc.sum->trial     = NULL;
+    if (first) PetscCall(MpmCommitMoves(model->disc.sum, model->disc.trial, 0., dynamics->moves));
     model->state.scheme.behind = 0.;
   }
   PetscCall(RollBack(model));

@@ -76,9 +76,9 @@ void MpmLightNodesLimitGradients(const MpmModel model, PetscReal kick, PetscReal
 {
   const PetscInt dim = model->disc.dim, count = model->disc.space->local * dim;
 
-  for (PetscInt k = 0; k < count; k++) u[k] -= dt * kick * model->disc.sum->gravity[k % dim];
+  for (PetscInt k = 0; k < count; k++) u[k] -= dt * kick * model->disc.sum->step.gravity[k % dim];
   Limit(model, LIGHT_AFFINE, dt, u);
-  for (PetscInt k = 0; k < count; k++) u[k] += dt * kick * model->disc.sum->gravity[k % dim];
+  for (PetscInt k = 0; k < count; k++) u[k] += dt * kick * model->disc.sum->step.gravity[k % dim];
 }
 
 PetscErrorCode MpmLightNodesLimitContact(MpmModel model, PetscReal dt)

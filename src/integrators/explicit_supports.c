@@ -13,7 +13,7 @@ void MpmExplicitPrescribe(const MpmModel model, PetscReal velocity[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
   const PetscInt        dim = model->disc.dim, local = model->disc.space->local;
-  const PetscReal       dt = model->disc.sum->dt;
+  const PetscReal       dt = model->disc.sum->step.dt;
 
   if (!constraints->any) return;
   MpmFramesToUnknowns(constraints, dim, local, velocity);
@@ -27,7 +27,7 @@ PetscErrorCode MpmExplicitPrescribeAt(MpmModel model, PetscReal time, PetscReal 
   const MpmConstraints *constraints = model->disc.constraints;
   const PetscInt        dim = model->disc.dim, local = model->disc.space->local;
   const PetscReal       by =
-    model->disc.sum->span / model->disc.sum->dt; /* the run's time goes on as fast; 1: it is the motion's */
+    model->disc.sum->step.span / model->disc.sum->step.dt; /* the run's time goes on as fast; 1: it is the motion's */
   PetscReal *rate;
 
   PetscFunctionBeginUser;
@@ -44,7 +44,7 @@ PetscErrorCode MpmExplicitPrescribeAt(MpmModel model, PetscReal time, PetscReal 
 
 PetscErrorCode MpmExplicitPrescribeStart(MpmModel model, PetscReal velocity[])
 {
-  const PetscReal behind = MpmModelRelaxes(model) ? 0.5 * model->disc.sum->span : model->state.scheme.behind;
+  const PetscReal behind = MpmModelRelaxes(model) ? 0.5 * model->disc.sum->step.span : model->state.scheme.behind;
 
   PetscFunctionBeginUser;
   PetscCall(MpmExplicitPrescribeAt(model, model->state.time - behind, velocity));

@@ -25,8 +25,8 @@ static PetscErrorCode Commit(MpmModel model)
     PetscCall(MpmSectionsEvaluate(model->disc.sections, model->disc.constraints, model->disc.sum, model->disc.nodal.u,
                                   model->state.particles));
   PetscCall(MpmSurfaceFlowCommit(model->disc.context.surfaces, model->disc.sum, model->disc.nodal.u));
-  PetscCall(MpmCommitLocal(model->disc.sum, model->disc.nodal.u));
-  model->disc.trial->made = PETSC_FALSE;
+  PetscCall(MpmCommitLocal(model->disc.sum, model->disc.trial, model->disc.nodal.u));
+  model->disc.trial->of.id = 0;
   PetscCall(MpmTermsCommit(model->disc.terms, model->disc.sum, model->disc.nodal.u, model->state.particles));
   PetscCall(MpmStepFindReactions(model));
   MpmStepClip(model);
@@ -46,14 +46,14 @@ static PetscErrorCode AddWork(MpmModel model)
   PetscCall(MpmStepFindTrial(model));
   PetscCall(PetscMalloc1(count, &loads));
   PetscCall(PetscArraycpy(loads, model->disc.nodal.force, count));
-  PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->span, 0., loads));
+  PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->step.span, 0., loads));
   PetscCall(MpmEnergyAdd(model, &(MpmStepWork){.u        = model->disc.nodal.u,
                                                .loads    = loads,
                                                .supports = model->disc.nodal.residual,
                                                .local    = model->disc.space->local,
                                                .owned    = model->disc.space->owned}));
   PetscCall(PetscFree(loads));
-  model->disc.trial->made = PETSC_FALSE;
+  model->disc.trial->of.id = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -64,7 +64,7 @@ static PetscErrorCode AddWork(MpmModel model)
 static void CorrectSupports(MpmModel model)
 {
   const PetscReal       part = 0.5 - model->state.scheme.load_at_start;
-  const MpmPrescription step = MpmStepPrescription(model, model->state.time + model->disc.sum->span);
+  const MpmPrescription step = MpmStepPrescription(model, model->state.time + model->disc.sum->step.span);
 
   if (!model->disc.context.inertia->dynamic) return;
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) {
@@ -94,7 +94,7 @@ static PetscErrorCode AcceptStep(MpmModel model)
   PetscCall(Commit(model));
   CorrectSupports(model);
   model->state.scheme.put_back = PETSC_FALSE;
-  model->state.dt.last         = model->state.dt.before < 0. ? 0. : model->disc.sum->span;
+  model->state.dt.last         = model->state.dt.before < 0. ? 0. : model->disc.sum->step.span;
   model->state.dt.before       = last;
   model->disc.nodal.committed  = PETSC_TRUE;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
@@ -105,7 +105,7 @@ static PetscErrorCode AcceptStep(MpmModel model)
 static PetscErrorCode RollBackStep(MpmModel model)
 {
   PetscFunctionBeginUser;
-  model->disc.trial->made = PETSC_FALSE;
+  model->disc.trial->of.id = 0;
   PetscCall(VecZeroEntries(model->solver.x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -87,7 +87,7 @@ static PetscErrorCode ScaleMasses(MpmModel model, PetscReal **mass)
 {
   const MpmMotionControl *motion = MpmModelMotion(model);
   const PetscReal         cfl    = motion->cfl * MpmExplicitPart(motion);
-  const PetscReal         by     = 0.25 * PetscSqr(model->disc.sum->dt / cfl);
+  const PetscReal         by     = 0.25 * PetscSqr(model->disc.sum->step.dt / cfl);
   PetscReal              *to     = model->state.scheme.dynamics->v_start;
 
   PetscFunctionBeginUser;
@@ -222,7 +222,7 @@ static PetscReal End(const MpmModel model)
 {
   const MpmRescuing *rescuing = &model->state.scheme.rescuing;
 
-  return rescuing->on ? rescuing->clock + model->disc.sum->dt : model->state.time + model->disc.sum->span;
+  return rescuing->on ? rescuing->clock + model->disc.sum->step.dt : model->state.time + model->disc.sum->step.span;
 }
 
 /* True while supports, or loads in a rescue, move. A support that stopped with the points would lose that fraction of
@@ -260,7 +260,7 @@ PetscErrorCode MpmRelaxationObserve(MpmModel model, PetscBool *stopped)
   if (*stopped) {
     kinetic = 0.;
     relaxing->resets++;
-    if (!(relaxing->quarter > 0.) && End(model) - relaxing->reset > 2.5 * model->disc.sum->dt)
+    if (!(relaxing->quarter > 0.) && End(model) - relaxing->reset > 2.5 * model->disc.sum->step.dt)
       relaxing->quarter = End(model) - relaxing->reset; /* one that falls at once has begun in motion */
     relaxing->reset = End(model);
     PetscCall(MpmPointsStop(model->disc.points, dim));

@@ -44,6 +44,15 @@ PetscErrorCode MpmSdirkDestroy(MpmSdirk **sdirk)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The sums over points are those of the second sub-step, after the first; NULL: of the first. */
+static void SetFirst(MpmModel model, const MpmKernelStage *first)
+{
+  MpmSumStep step = model->disc.sum->step;
+
+  step.first = first;
+  MpmDiscretizationSetStep(&model->disc, &step);
+}
+
 static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
 {
   MpmSdirk *sdirk;
@@ -54,7 +63,7 @@ static PetscErrorCode Begin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   sdirk->time = time;
   sdirk->dt   = dt;
 
-  model->disc.sum->first = NULL;
+  SetFirst(model, NULL);
   PetscCall(MpmStepPrepare(model, model->state.time + GAMMA * dt, GAMMA * dt, again, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -92,7 +101,7 @@ static PetscErrorCode KeepFirst(MpmModel model)
                                        .theta     = THETA,
                                        .span      = sdirk->dt};
   PetscCall(MpmTermsKeepStage(model->disc.terms, model->disc.sum, model->disc.nodal.u, THETA));
-  model->disc.trial->made = PETSC_FALSE;
+  model->disc.trial->of.id = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -135,9 +144,10 @@ static PetscErrorCode StartSecond(MpmModel model, Vec first)
 
 static PetscErrorCode SolveStages(MpmModel model, MpmOutcome *outcome)
 {
-  MpmSdirk *sdirk = model->state.scheme.sdirk;
-  PetscInt  newton, linear;
-  Vec       first;
+  MpmSdirk  *sdirk = model->state.scheme.sdirk;
+  MpmSumStep step;
+  PetscInt   newton, linear;
+  Vec        first;
 
   PetscFunctionBeginUser;
   PetscCall(MpmIntegratorQuasistatic.solve(model, outcome));
@@ -147,10 +157,12 @@ static PetscErrorCode SolveStages(MpmModel model, MpmOutcome *outcome)
   PetscCall(KeepFirst(model));
   PetscCall(VecDuplicate(model->solver.x, &first));
   PetscCall(VecCopy(model->solver.x, first));
-  model->disc.sum->first = sdirk->stage;
+  SetFirst(model, sdirk->stage);
   PetscCall(MpmStepPrepare(model, sdirk->time, GAMMA * sdirk->dt, PETSC_TRUE, outcome));
-  outcome->retryable    = PETSC_TRUE;
-  model->disc.sum->span = sdirk->dt;
+  outcome->retryable = PETSC_TRUE;
+  step               = model->disc.sum->step;
+  step.span          = sdirk->dt;
+  MpmDiscretizationSetStep(&model->disc, &step);
   if (!outcome->code) {
     PetscCall(StartSecond(model, first));
     PetscCall(MpmIntegratorQuasistatic.solve(model, outcome));
@@ -173,14 +185,14 @@ static PetscErrorCode Accept(MpmModel model)
   for (PetscInt k = 0; k < ReactionCount(model); k++)
     if (!layout->component[k % model->disc.block].increment)
       model->disc.nodal.reaction[k] += THETA * model->state.scheme.sdirk->reaction[k];
-  model->disc.sum->first = NULL;
+  SetFirst(model, NULL);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode RollBack(MpmModel model)
 {
   PetscFunctionBeginUser;
-  model->disc.sum->first = NULL;
+  SetFirst(model, NULL);
   PetscCall(MpmIntegratorQuasistatic.roll_back(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

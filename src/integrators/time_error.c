@@ -113,7 +113,7 @@ static PetscErrorCode StoredSquare(MpmModel model, PetscInt c, const MpmKernelSt
 {
   MpmDiscretization *disc = &model->disc;
   const PetscInt     bs   = disc->block;
-  const MpmSum       sum  = *disc->sum;
+  MpmSum             sum  = *disc->sum;
   PetscReal         *residual, *volume, *mark;
   PetscInt           failed = 0;
 
@@ -121,11 +121,9 @@ static PetscErrorCode StoredSquare(MpmModel model, PetscInt c, const MpmKernelSt
   PetscCall(
     PetscMalloc3((disc->space->local * bs), &residual, (disc->space->local * bs), &volume, disc->space->local, &mark));
   PetscCall(PetscArrayzero(residual, disc->space->local * bs));
-  disc->sum->first = first;
-  disc->sum->trial = NULL;
-  disc->sum->dt    = 0.;
-  PetscCall(MpmTermsResidualPoints(disc->terms, disc->sum, disc->nodal.u, residual, &failed));
-  *disc->sum = sum;
+  sum.step.first = first;
+  sum.step.dt    = 0.;
+  PetscCall(MpmTermsResidualPoints(disc->terms, &sum, disc->nodal.u, NULL, residual, &failed));
   PetscCall(NodeVolumes(disc->sum, c, volume));
   PetscCall(MpmSurfaceFlowMark(disc->context.surfaces, disc->space, mark));
   PetscCall(MpmSpaceToGhosts(disc->space, 1, mark));

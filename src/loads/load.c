@@ -228,7 +228,7 @@ static PetscInt Unknown(const MpmLoad *load, const MpmSum *sum, PetscInt k)
 }
 static PetscReal Sign(const MpmLoad *load, const MpmSum *sum)
 {
-  return load->type == MPM_LOAD_FLUX ? -sum->dt : 1.;
+  return load->type == MPM_LOAD_FLUX ? -sum->step.dt : 1.;
 }
 
 void MpmLoadsGetVertical(const MpmLoads *loads, PetscInt dim, PetscInt *axis, PetscInt *up)
@@ -328,7 +328,7 @@ PetscErrorCode MpmLoadApplyPoints(const MpmSum *sum, PetscReal part, const Petsc
       const PetscInt p   = space->order[s];
       MpmPointForce  own = {.volume = part * points->volume0[p] * MpmPointJ(points, p)};
 
-      for (PetscInt a = 0; a < dim; a++) own.body[a] = part * mass[p] * points->mass[p] * sum->gravity[a];
+      for (PetscInt a = 0; a < dim; a++) own.body[a] = part * mass[p] * points->mass[p] * sum->step.gravity[a];
       for (PetscInt c = 0; c < components; c++) own.stress[c] = stress[c][p];
       MpmSpaceEvaluate(space, group, p, &basis);
       MpmPointAddForce(sum, &basis, group, p, &own, force);

@@ -202,7 +202,7 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   MpmSurfaceFaces *faces = (MpmSurfaceFaces *)ctx;
 
   PetscFunctionBeginUser;
-  if (!step->sum->first) PetscCall(PetscArrayzero(faces->first, faces->surfaces->count));
+  if (!step->sum->step.first) PetscCall(PetscArrayzero(faces->first, faces->surfaces->count));
   for (PetscInt k = 0; k < faces->list.count; k++) {
     faces->list.at[k].water = OpenWater(faces, &faces->list.at[k], step->rules->time.end);
     faces->list.at[k].rest  = AtRest(faces, &faces->list.at[k], step->sum);

@@ -34,7 +34,7 @@
 /* Water that passes by the difference of pressures. */
 static PetscReal Conductance(const MpmPairPatch *patch, const MpmSum *sum)
 {
-  return sum->dt * patch->side[0].area * patch->through;
+  return sum->step.dt * patch->side[0].area * patch->through;
 }
 
 /* Adds a patch's force in explicit steps, with the contribution of turning. */

@@ -169,8 +169,8 @@ PetscErrorCode MpmCellMean(const MpmSum *sum, const MpmCell *cell, PetscBool sec
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCellResidual(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], MpmCellWork *work,
-                               PetscInt *failed)
+PetscErrorCode MpmCellResidual(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], const MpmTrial *trial,
+                               MpmCellWork *work, PetscInt *failed)
 {
   const PetscInt end = MpmCellEnd(sum, cell), N = sum->layout->input.count, before = *failed;
 
@@ -181,7 +181,7 @@ PetscErrorCode MpmCellResidual(const MpmSum *sum, const MpmCell *cell, const Pet
   for (PetscInt s = work->begin; s < end && *failed == before; s++) {
     MpmCellPoint *at = &work->point[s - work->begin];
 
-    MpmSumTrial(sum, sum->space->order[s], &at->point);
+    MpmSumTrial(sum, trial, sum->space->order[s], &at->point);
     if (sum->layout->kernel->residual(&at->point, at->input, at->flux)) (*failed)++;
     work->mean_flux += at->flux[N];
   }

@@ -60,10 +60,9 @@ PetscErrorCode MpmCellInputs(const MpmSum *sum, const MpmCell *cell, const Petsc
 /* m_bar from the inputs, and its derivatives; those of m of second order where they are needed. */
 PetscErrorCode MpmCellMean(const MpmSum *sum, const MpmCell *cell, PetscBool second, MpmCellWork *work,
                            PetscInt *failed);
-/* All of that at u, and the whole fluxes, with the mean's contribution; with the step's end where the sum has room for
-   it. */
-PetscErrorCode MpmCellResidual(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], MpmCellWork *work,
-                               PetscInt *failed);
+/* All of that at u, and the whole fluxes, with the mean's contribution; the step's end into `trial` unless NULL. */
+PetscErrorCode MpmCellResidual(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], const MpmTrial *trial,
+                               MpmCellWork *work, PetscInt *failed);
 /* MpmCellResidual() with tangents in place of the step's end. */
 PetscErrorCode MpmCellTangent(const MpmSum *sum, const MpmCell *cell, const PetscReal u[], MpmCellWork *work,
                               PetscInt *failed);

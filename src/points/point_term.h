@@ -5,6 +5,11 @@
 */
 #include "space/point_loop.h"
 
+/* As MpmTerm.points. */
+PetscErrorCode MpmPointsTrial(const MpmSum *sum, const PetscReal u[], const MpmTrial *trial, PetscReal residual[],
+                              PetscInt *failed);
+PetscErrorCode MpmCellsTrial(const MpmSum *sum, const PetscReal u[], const MpmTrial *trial, PetscReal residual[],
+                             PetscInt *failed);
 PetscErrorCode MpmPointsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                  PetscInt *failed);
 PetscErrorCode MpmCellsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],

@@ -6,13 +6,21 @@
 #include "points/point_term.h"
 #include "points/point_terms.h"
 
+/* Displacements of the nodes, and the destination of the step's end, or NULL. */
+typedef struct {
+  const MpmSum    *sum;
+  const PetscReal *u;
+  const MpmTrial  *trial;
+} PointsPass;
+
 /* Residual of one group's points; or, where `residual` is NULL, only their candidate of the step's end. */
-MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                        const PetscReal u[], MpmWorkspace *work, PetscReal *residual, PetscInt *failed)
+MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const PointsPass *pass, const MpmGroup *group,
+                                        MpmWorkspace *work, PetscReal *residual, PetscInt *failed)
 {
   const PetscBool weights = work->weights;
+  const MpmSum   *sum     = pass->sum;
 
-  MpmSumGather(known, sum, group, u, work->values);
+  MpmSumGather(known, sum, group, pass->u, work->values);
   for (PetscInt k = 0; residual && k < known.n * known.block; k++) work->force[k] = 0.;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s];
@@ -23,7 +31,7 @@ MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum,
     MpmSumBasis(known, sum->space, p, weights, &work->basis);
     MpmSumInputs(known, sum->layout, work->values, &work->basis, input);
     MpmSumPoint(sum, p, &point);
-    MpmSumTrial(sum, p, &point);
+    MpmSumTrial(sum, pass->trial, p, &point);
     if (sum->layout->kernel->residual(&point, input, flux)) (*failed)++;
     else if (residual) MpmSumAddFlux(known, sum->layout, &work->basis, flux, work->force);
   }
@@ -31,40 +39,53 @@ MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const MpmSum *sum,
   return PETSC_SUCCESS;
 }
 
-PetscErrorCode MpmCellsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
-                                PetscInt *failed)
+PetscErrorCode MpmCellsTrial(const MpmSum *sum, const PetscReal u[], const MpmTrial *trial, PetscReal residual[],
+                             PetscInt *failed)
 {
   MpmCellWork work;
 
   PetscFunctionBeginUser;
-  (void)ctx;
   PetscCall(MpmCellWorkCreate(sum, &work));
   for (PetscInt c = 0; c < sum->space->cells.count; c++) {
-    PetscCall(MpmCellResidual(sum, &sum->space->cells.at[c], u, &work, failed));
+    PetscCall(MpmCellResidual(sum, &sum->space->cells.at[c], u, trial, &work, failed));
     if (!*failed) PetscCall(MpmCellScatter(sum, &sum->space->cells.at[c], &work, residual));
   }
   PetscCall(MpmCellWorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPointsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
-                                 PetscInt *failed)
+PetscErrorCode MpmPointsTrial(const MpmSum *sum, const PetscReal u[], const MpmTrial *trial, PetscReal residual[],
+                              PetscInt *failed)
 {
-  MpmWorkspace work;
+  const PointsPass pass = {sum, u, trial};
+  MpmWorkspace     work;
 
   PetscFunctionBeginUser;
-  (void)ctx;
   PetscCall(MpmWorkspaceCreate(sum, &work));
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
 
-    MPM_DISPATCH(sum->layout, group, ResidualGroup, sum, group, u, &work, residual, failed);
+    MPM_DISPATCH(sum->layout, group, ResidualGroup, &pass, group, &work, residual, failed);
   }
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPointsUpdate(const MpmSum *sum, const PetscReal u[], PetscInt *failed)
+PetscErrorCode MpmPointsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                                 PetscInt *failed)
 {
-  return MpmPointsResidual(NULL, sum, u, NULL, failed);
+  (void)ctx;
+  return MpmPointsTrial(sum, u, NULL, residual, failed);
+}
+
+PetscErrorCode MpmCellsResidual(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
+                                PetscInt *failed)
+{
+  (void)ctx;
+  return MpmCellsTrial(sum, u, NULL, residual, failed);
+}
+
+PetscErrorCode MpmPointsUpdate(const MpmSum *sum, const PetscReal u[], const MpmTrial *trial, PetscInt *failed)
+{
+  return MpmPointsTrial(sum, u, trial, NULL, failed);
 }

@@ -45,12 +45,12 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 }
 
 const MpmTerm MpmTermPoints    = {.name     = "points",
-                                  .points   = PETSC_TRUE,
+                                  .points   = MpmPointsTrial,
                                   .residual = MpmPointsResidual,
                                   .tangent  = Tangent,
                                   .diagonal = MpmPointsDiagonal};
 const MpmTerm MpmTermCellMeans = {.name     = "points with cell means",
-                                  .points   = PETSC_TRUE,
+                                  .points   = MpmCellsTrial,
                                   .boxes    = MpmCellsBoxes,
                                   .residual = MpmCellsResidual,
                                   .tangent  = Tangent,

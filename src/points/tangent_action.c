@@ -83,14 +83,13 @@ static PetscErrorCode StoreCell(MpmAction *action, PetscInt c, PetscInt *failed)
 {
   const MpmCell *cell = &action->sum->space->cells.at[c];
   const PetscInt size = MpmTangentSize(action->sum->layout), begin = MpmCellBegin(action->sum, cell);
-  MpmSum         sum = *action->sum;
+  const MpmSum  *sum = action->sum;
 
   PetscFunctionBeginUser;
-  sum.trial = NULL;
-  if (action->tangent) PetscCall(MpmCellTangent(&sum, cell, action->u, &action->cell, failed));
-  else PetscCall(MpmCellResidual(&sum, cell, action->u, &action->cell, failed));
+  if (action->tangent) PetscCall(MpmCellTangent(sum, cell, action->u, &action->cell, failed));
+  else PetscCall(MpmCellResidual(sum, cell, action->u, NULL, &action->cell, failed));
   action->mean_flux[c] = action->cell.mean_flux;
-  for (PetscInt s = begin; action->tangent && s < MpmCellEnd(&sum, cell); s++)
+  for (PetscInt s = begin; action->tangent && s < MpmCellEnd(sum, cell); s++)
     PetscCall(PetscArraycpy(&action->tangent[s * size], action->cell.point[s - begin].tangent.by_input, size));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

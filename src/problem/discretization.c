@@ -35,9 +35,10 @@ PetscErrorCode MpmDiscretizationCreate(MPI_Comm comm, MpmGrid *grid, MpmLayout *
   PetscCall(PetscNew(&disc->context.inertia));
   PetscCall(PetscNew(&disc->context.damping));
   PetscCall(PetscNew(&disc->trial));
-  PetscCall(PetscNew(&disc->sum));
-  *disc->sum =
-    (MpmSum){.grid = grid, .cell = grid->h, .space = disc->space, .layout = layout, .points = disc->points, .part = 1.};
+  PetscCall(PetscNew(&disc->set));
+  *disc->set = (MpmSum){
+    .grid = grid, .cell = grid->h, .space = disc->space, .layout = layout, .points = disc->points, .step.part = 1.};
+  disc->sum = disc->set;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -46,7 +47,7 @@ PetscErrorCode MpmDiscretizationSize(MpmDiscretization *disc)
   PetscFunctionBeginUser;
   disc->dim        = disc->grid->dim;
   disc->block      = disc->layout->block;
-  disc->sum->block = disc->layout->block;
+  disc->set->block = disc->layout->block;
   PetscCall(PetscArraycpy(disc->h, disc->grid->h, MPM_MAX_DIM));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -57,9 +58,9 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
 {
   PetscFunctionBeginUser;
   disc->material.count  = materials->count;
-  disc->sum->materials  = materials->at;
-  disc->sum->kept.state = state_size;
-  disc->sum->kept.own   = disc->layout->own.size;
+  disc->set->materials  = materials->at;
+  disc->set->kept.state = state_size;
+  disc->set->kept.own   = disc->layout->own.size;
   PetscCall(MpmContactsCreate(boundaries->count, boundaries->at, disc->context.contacts));
   disc->context.contacts->facets.shaped = bodies;
   PetscCall(MpmRigidCreate(disc->context.contacts, placements));
@@ -98,6 +99,27 @@ PetscErrorCode MpmDiscretizationAddTerms(MpmDiscretization *disc, MpmAddedTerms 
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < added->count; k++) PetscCall(MpmTermsAdd(&disc->terms, &added->at[k].term, &added->at[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmDiscretizationSetStep(MpmDiscretization *disc, const MpmSumStep *step)
+{
+  disc->set->step = *step;
+}
+
+PetscErrorCode MpmDiscretizationSetDeviations(MpmDiscretization *disc, PetscReal deviation_n[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(disc->set->deviation_n));
+  disc->set->deviation_n = deviation_n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDiscretizationSetWater(MpmDiscretization *disc, const MpmWaterAtRest *still)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree3(disc->set->still.pressure, disc->set->still.bent, disc->set->still.gravity));
+  disc->set->still = *still;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -157,7 +179,7 @@ PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)
   PetscCall(MpmSpaceReset(disc->space));
   PetscCall(MpmConstraintsReset(disc->constraints));
   PetscCall(PetscFree3(disc->nodal.u, disc->nodal.residual, disc->nodal.force));
-  PetscCall(PetscFree(disc->deviation_n));
+  PetscCall(PetscFree(disc->set->deviation_n));
   PetscCall(MpmTrialReset(disc->trial));
   PetscCall(PetscFree(disc->nodal.reaction));
   PetscCall(MpmContactsDestroy(disc->context.contacts));
@@ -175,7 +197,7 @@ PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)
   PetscCall(MpmDampingReset(disc->context.damping));
   PetscCall(PetscFree(disc->context.damping));
   PetscCall(PetscFree(disc->trial));
-  PetscCall(PetscFree3(disc->sum->still.pressure, disc->sum->still.bent, disc->sum->still.gravity));
-  PetscCall(PetscFree(disc->sum));
+  PetscCall(PetscFree3(disc->set->still.pressure, disc->set->still.bent, disc->set->still.gravity));
+  PetscCall(PetscFree(disc->set));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -35,12 +35,12 @@ typedef struct MpmDiscretization {
   MpmPoints      *points;
   MpmSpace       *space;
   MpmConstraints *constraints;
-  MpmSum         *sum;
+  MpmSum         *set; /* own; changed by the three functions below alone */
+  const MpmSum   *sum; /* data of sums over the points in the present step: `set` */
   MpmTerms       *terms;
   MpmTermContexts context;
   MpmTrial       *trial;
-  MpmSections    *sections;    /* NULL: none */
-  PetscReal      *deviation_n; /* of the points; sum->deviation_n */
+  MpmSections    *sections; /* NULL: none */
   MpmNodalValues  nodal;
   struct {
     MpmPattern *pattern;  /* NULL before the first assembled matrix */
@@ -68,6 +68,13 @@ PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBo
                                             MpmLoadActing *acting, const MpmKernelSet *kernel);
 /* Terms from outside the tree, which are borrowed. After SetUp. */
 PetscErrorCode MpmDiscretizationAddTerms(MpmDiscretization *disc, MpmAddedTerms *added);
+/*
+  Data of sums over the points: the step's, the deviations of the points at its start, and water at rest, whose arrays
+  pass to the problem.
+*/
+void           MpmDiscretizationSetStep(MpmDiscretization *disc, const MpmSumStep *step);
+PetscErrorCode MpmDiscretizationSetDeviations(MpmDiscretization *disc, PetscReal deviation_n[]);
+PetscErrorCode MpmDiscretizationSetWater(MpmDiscretization *disc, const MpmWaterAtRest *still);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);
 /* Numbers of local and owned nodes, and of those of all ranks; true for a node of the grid, false for one of a body's
    or of another unknown's own. */

@@ -1,7 +1,6 @@
 /*
   Evaluations of a step's equations at given unknowns and state.
 */
-#include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
 #include "point/layout.h"
 #include "particles/points.h"
 #include "space/space.h"
@@ -17,18 +16,18 @@ MpmEvaluation MpmEvaluationAt(const MpmDiscretization *disc, Vec u)
 {
   const MpmSum *sum = disc->sum;
 
-  return (MpmEvaluation){.points = sum->points, .u = u, .dt = sum->dt, .span = sum->span, .part = sum->part};
+  return (MpmEvaluation){
+    .points = sum->points, .u = u, .dt = sum->step.dt, .span = sum->step.span, .part = sum->step.part};
 }
 
 void MpmEvaluationSum(const MpmDiscretization *disc, MpmEvaluation at, MpmSum *sum)
 {
-  *sum        = *disc->sum;
-  sum->points = at.points;
-  sum->dt     = at.dt;
-  sum->span   = at.span;
-  sum->part   = at.part;
-  sum->rest   = (PetscBool)(at.mode == MPM_MODE_START);
-  sum->trial  = NULL;
+  *sum           = *disc->sum;
+  sum->points    = at.points;
+  sum->step.dt   = at.dt;
+  sum->step.span = at.span;
+  sum->step.part = at.part;
+  sum->mode      = at.mode;
 }
 
 PetscErrorCode MpmTrialCreate(const MpmSum *sum, MpmTrial *trial)
@@ -46,7 +45,7 @@ PetscErrorCode MpmTrialReset(MpmTrial *trial)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree5(trial->F, trial->stress, trial->state, trial->own, trial->u));
-  trial->made = PETSC_FALSE;
+  trial->of.id = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -67,11 +66,11 @@ PetscErrorCode MpmEvaluationNodes(const MpmDiscretization *disc, Vec u, PetscRea
 }
 
 PetscErrorCode MpmEvaluateForces(const MpmDiscretization *disc, const MpmSum *sum, const PetscReal u[],
-                                 PetscReal residual[], PetscInt *failed)
+                                 const MpmTrial *trial, PetscReal residual[], PetscInt *failed)
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < disc->space->local * disc->block; k++) residual[k] = -disc->nodal.force[k];
-  PetscCall(MpmTermsResidual(disc->terms, sum, u, residual, failed));
+  PetscCall(MpmTermsResidual(disc->terms, sum, u, trial, residual, failed));
   MpmConstraintsGather(disc->constraints, disc->space, residual);
   PetscCall(MpmSpaceAddToOwners(disc->space, disc->block, residual));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -103,10 +102,9 @@ PetscErrorCode MpmEvaluateResidual(const MpmDiscretization *disc, MpmEvaluation 
 
   PetscFunctionBeginUser;
   MpmEvaluationSum(disc, at, &sum);
-  sum.trial = result->trial;
   PetscCall(PetscMalloc2(count, &u, count, &residual));
   PetscCall(MpmEvaluationNodes(disc, at.u, u));
-  PetscCall(MpmEvaluateForces(disc, &sum, u, residual, &result->failed));
+  PetscCall(MpmEvaluateForces(disc, &sum, u, result->trial, residual, &result->failed));
   if (result->f) PetscCall(MpmEvaluationEquations(disc, at.u, residual, result->f));
   PetscCall(PetscFree2(u, residual));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &result->failed, 1, MPIU_INT, MPI_SUM, disc->comm));
@@ -125,27 +123,12 @@ PetscErrorCode MpmEvaluateEnergy(const MpmDiscretization *disc, MpmEvaluation at
   if (trial == &own) PetscCall(MpmTrialCreate(&sum, trial));
   PetscCall(PetscMalloc1((disc->space->local * disc->block + 1), &u));
   PetscCall(MpmEvaluationNodes(disc, at.u, u));
-  sum.trial      = trial;
   result->failed = 0;
-  PetscCall(MpmPointsUpdate(&sum, u, &result->failed));
-  sum.trial = NULL;
+  PetscCall(MpmPointsUpdate(&sum, u, trial, &result->failed));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &result->failed, 1, MPIU_INT, MPI_SUM, disc->comm));
   if (!result->failed) PetscCall(MpmPotentialEvaluate(disc, &sum, u, trial, &result->energy, &size));
   PetscCall(MpmTrialReset(&own));
   PetscCall(PetscFree(u));
   PetscCall(MpmVersionGet(at.u, &result->of));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmVersionGet(Vec u, MpmVersion *version)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscObjectGetId((PetscObject)u, &version->id));
-  PetscCall(PetscObjectStateGet((PetscObject)u, &version->state));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscBool MpmVersionIsSame(const MpmVersion *a, const MpmVersion *b)
-{
-  return (PetscBool)(a->id == b->id && a->state == b->state);
 }

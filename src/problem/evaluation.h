@@ -14,18 +14,8 @@
 #include <petscvec.h>
 #include "base/base.h"
 #include "base/types.h"
-
-/* Version of a vector's values: PETSc counts every change. */
-typedef struct {
-  PetscObjectId    id; /* 0: none */
-  PetscObjectState state;
-} MpmVersion;
-
-/* Stress of the points in their forces. */
-typedef enum {
-  MPM_MODE_END,  /* by the laws, at the step's end */
-  MPM_MODE_START /* of the step's start: nothing moves; physics without means over cells */
-} MpmMode;
+#include "base/version.h"
+#include "space/mode.h"
 
 /* An evaluation, passed by value. */
 typedef struct {
@@ -78,12 +68,9 @@ PetscErrorCode MpmTrialCreate(const MpmSum *sum, MpmTrial *trial);
 PetscErrorCode MpmTrialReset(MpmTrial *trial);
 /*
   Parts of an evaluation. Forces: internal less external ones at the owned nodes, along the axes, from values u of the
-  local nodes, into residual[], which has room for the local nodes; `failed` counts points of this rank. Equations: the
-  residual in the solver's units and frames, from those forces at the unknowns u.
+  local nodes, into residual[], which has room for the local nodes; with the points' trial, unless NULL; `failed` counts
+  points of this rank. Equations: the residual in the solver's units and frames, from those forces at the unknowns u.
 */
 PetscErrorCode MpmEvaluateForces(const MpmDiscretization *disc, const MpmSum *sum, const PetscReal u[],
-                                 PetscReal residual[], PetscInt *failed);
+                                 const MpmTrial *trial, PetscReal residual[], PetscInt *failed);
 PetscErrorCode MpmEvaluationEquations(const MpmDiscretization *disc, Vec u, const PetscReal residual[], Vec f);
-
-PetscErrorCode MpmVersionGet(Vec u, MpmVersion *version);
-PetscBool      MpmVersionIsSame(const MpmVersion *a, const MpmVersion *b);

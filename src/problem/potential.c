@@ -79,7 +79,7 @@ PetscErrorCode MpmPotentialEvaluate(const MpmDiscretization *disc, const MpmSum 
   PetscReal part[3] = {0., 0., 0.};
 
   PetscFunctionBeginUser;
-  part[0] = sum->part * MPM_BY_DIM(disc->dim, Stored, sum, trial);
+  part[0] = sum->step.part * MPM_BY_DIM(disc->dim, Stored, sum, trial);
   PetscCall(AddTerms(disc, sum, u, &part[1]));
   for (PetscInt k = 0; k < MpmNodesLocal(disc) * disc->block; k++) part[2] -= disc->nodal.force[k] * u[k];
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, part, 3, MPIU_REAL, MPIU_SUM, disc->comm));

@@ -219,7 +219,7 @@ static PetscErrorCode AddUnit(MpmCutPass *pass, const MpmCell *unit, MpmCellWork
       for (PetscInt c = 0; c < plane->section->count; c++) {
         if (!Crosses(&plane->ramps[c], range)) continue;
         if (!forces && !MpmCutAnyChosen(pass, plane, group)) break;
-        if (cell && !made) PetscCall(MpmCellResidual(pass->sum, unit, pass->by, cell, &failed));
+        if (cell && !made) PetscCall(MpmCellResidual(pass->sum, unit, pass->by, NULL, cell, &failed));
         made = PETSC_TRUE;
         if (!forces) FindForces(pass, plane, group, cell, values);
         forces = PETSC_TRUE;
@@ -258,13 +258,13 @@ static PetscErrorCode AddStart(MpmCutPass *pass)
   PetscReal    *still;
 
   PetscFunctionBeginUser;
-  if (end->part == 1.) PetscFunctionReturn(PETSC_SUCCESS);
+  if (end->step.part == 1.) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscCalloc1((end->space->local * end->block), &still));
-  start.part  = 1. - end->part;
-  start.rest  = (PetscBool)!end->layout->means;
-  pass->sum   = &start;
-  pass->by    = still;
-  pass->areas = PETSC_FALSE;
+  start.step.part = 1. - end->step.part;
+  start.mode      = end->layout->means ? MPM_MODE_END : MPM_MODE_START;
+  pass->sum       = &start;
+  pass->by        = still;
+  pass->areas     = PETSC_FALSE;
   PetscCall(AddUnits(pass));
   pass->sum = end;
   PetscCall(PetscFree(still));
@@ -406,13 +406,11 @@ static PetscErrorCode Begin(MpmSections *sections, MpmParticles *particles, MpmC
 PetscErrorCode MpmSectionsEvaluate(MpmSections *sections, const MpmConstraints *constraints, const MpmSum *sum,
                                    const PetscReal u[], MpmParticles *particles)
 {
-  const PetscInt dim   = sum->space->dim;
-  MpmSum         still = *sum;
-  MpmCutPass     pass  = {.sum = &still, .constraints = constraints, .u = u, .by = u, .areas = PETSC_TRUE};
+  const PetscInt dim  = sum->space->dim;
+  MpmCutPass     pass = {.sum = sum, .constraints = constraints, .u = u, .by = u, .areas = PETSC_TRUE};
 
   PetscFunctionBeginUser;
-  still.trial = NULL;
-  pass.count  = sections->count;
+  pass.count = sections->count;
   PetscCall(Begin(sections, particles, &pass));
   PetscCall(AddUnits(&pass));
   PetscCall(AddStart(&pass));

@@ -23,6 +23,7 @@
 #include "loads/body_surface.h"
 #include "loads/load.h"
 #include "loads/water_table.h"
+#include "solve/iterate.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "step/step.h"
@@ -407,7 +408,7 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
   const PetscBool     put_back = model->state.scheme.put_back;
   PetscInt            failed   = 0;
   MpmOutcome          outcome;
-  MpmPoints           points;
+  MpmPoints           lent;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
 
   PetscFunctionBeginUser;
@@ -420,16 +421,14 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
   PetscCall(MpmStepPrepare(model, model->state.period.end, model->state.period.end - model->state.period.start,
                            PETSC_FALSE, &outcome));
   if (!outcome.code) {
-    points                        = *model->disc.points;
-    points.F                      = balance->F;
-    points.volume0                = balance->volume0;
-    points.state                  = balance->history;
-    model->disc.sum->points       = &points;
+    lent                          = *model->disc.points;
+    model->disc.points->F         = balance->F;
+    model->disc.points->volume0   = balance->volume0;
+    model->disc.points->state     = balance->history;
     model->solver.cache.reference = 0.;
     PetscCall(MpmSolverSolve(&model->solver, &reason));
-    PetscCall(MpmSumResidual(&model->solver, &failed));
-    model->disc.trial->made = PETSC_FALSE;
-    model->disc.sum->points = model->disc.points;
+    PetscCall(MpmSumResidual(&model->solver, NULL, MPM_MODE_END, &failed));
+    *model->disc.points = lent;
   }
   *solved = (PetscBool)(!outcome.code && reason > 0);
   if (*solved) PetscCall(TakeStress(balance));

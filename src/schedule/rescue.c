@@ -146,7 +146,7 @@ PetscErrorCode MpmRescueOver(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
   const PetscInt     most     = model->scene.stages.at[model->state.stage].relaxation.steps;
 
   PetscFunctionBeginUser;
-  rescuing->clock += model->disc.sum->dt;
+  rescuing->clock += model->disc.sum->step.dt;
   rescuing->steps++;
   if (relaxing->rests) {
     *dt = rescuing->end - rescuing->start;

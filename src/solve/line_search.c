@@ -2,6 +2,7 @@
   The line search of Newton's method: by the work, with care for contact, or by the norms of several fields.
 */
 #include "point/layout.h"
+#include "space/sum.h"
 #include "assembly/terms.h"
 #include "problem/discretization.h"
 #include "solve/line_search.h"
@@ -316,6 +317,14 @@ static PetscErrorCode AcceptIterate(MpmSearch *search)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Results at the vector of version `from` belong to x, too, which has equal values. */
+static PetscErrorCode Follow(const MpmVersion *from, Vec x, MpmVersion *of)
+{
+  PetscFunctionBeginUser;
+  if (MpmVersionIsSame(from, of)) PetscCall(MpmVersionGet(x, of));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmLineSearch(SNESLineSearch object, void *ctx)
 {
   MpmSearch  search = {.solver = (MpmSolver *)ctx, .lambda = 1.};
@@ -343,8 +352,8 @@ PetscErrorCode MpmLineSearch(SNESLineSearch object, void *ctx)
   PetscCall(MpmVersionGet(search.W, &tried));
   PetscCall(VecCopy(search.W, search.X));
   PetscCall(VecCopy(search.G, search.F));
-  if (MpmVersionIsSame(&tried, &search.solver->cache.summed))
-    PetscCall(MpmVersionGet(search.X, &search.solver->cache.summed)); /* equal values */
+  PetscCall(Follow(&tried, search.X, &search.solver->cache.summed));
+  PetscCall(Follow(&tried, search.X, &search.solver->disc->trial->of));
   PetscCall(MpmSearchTaken(&search));
   PetscCall(VecNorm(search.X, NORM_2, &xnorm));
   PetscCall(SNESLineSearchSetLambda(object, search.lambda));

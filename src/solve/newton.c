@@ -8,6 +8,7 @@
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
 #include "problem/discretization.h"
+#include "solve/iterate.h"
 #include "solve/line_search.h"
 
 /* Sums of the residual and of the Jacobian, in one pass. */
@@ -17,8 +18,8 @@ static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
   PetscCall(MpmVersionGet(x, &solver->cache.summed));
   for (PetscInt k = 0; k < solver->disc->space->local * solver->disc->block; k++)
     solver->disc->nodal.residual[k] = -solver->disc->nodal.force[k];
-  solver->cache.assembled   = PETSC_FALSE;
-  solver->disc->trial->made = PETSC_FALSE;
+  solver->cache.assembled    = PETSC_FALSE;
+  solver->disc->trial->of.id = 0;
   PetscCall(MpmSolverMindContact(solver, PETSC_FALSE));
   PetscCall(MpmPatternBegin(solver->disc->matrix.pattern, solver->disc->space, solver->disc->constraints,
                             solver->jacobian.assembled));
@@ -30,28 +31,24 @@ static PetscErrorCode SumBoth(MpmSolver *solver, Vec x, PetscInt *failed)
 }
 
 /*
-  f = internal - external force; on constrained unknowns, diagonal * (u - value). Where a point has no answer f becomes
-  infinite and SNES backs off. The tangents' kernel gives the fluxes too: where a Jacobian at the same place is sure to
-  follow, its sums are made in the same pass.
+  Where a point has no answer f becomes infinite and SNES backs off. The tangents' kernel gives the fluxes too: where a
+  Jacobian at the same place is sure to follow, its sums are made in the same pass.
 */
-static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
+PetscErrorCode MpmNewtonResidual(MpmSolver *solver, Vec x, MpmMode mode, Vec f)
 {
-  MpmSolver     *solver = (MpmSolver *)ctx;
+  const PetscBool both =
+    (PetscBool)(solver->cache.ahead && solver->jacobian.form == MPM_JACOBIAN_LOCAL && mode == MPM_MODE_END);
+  const MpmTimer timer = both ? MPM_TIME_JACOBIAN : MPM_TIME_RESIDUAL;
   PetscScalar   *values;
   PetscLogDouble since;
-  MpmTimer       timer;
   PetscInt       failed;
-  PetscBool      both;
 
   PetscFunctionBeginUser;
-  (void)snes;
   PetscCall(MpmGatherSolution(solver, x));
-  both                = (PetscBool)(solver->cache.ahead && solver->jacobian.form == MPM_JACOBIAN_LOCAL);
   solver->cache.ahead = PETSC_FALSE;
-  timer               = both ? MPM_TIME_JACOBIAN : MPM_TIME_RESIDUAL;
   PetscCall(MpmMonitorBegin(solver->monitor, timer, &since));
   if (both) PetscCall(SumBoth(solver, x, &failed));
-  else PetscCall(MpmSumResidual(solver, &failed));
+  else PetscCall(MpmSumResidual(solver, x, mode, &failed));
   PetscCall(MpmEvaluationEquations(solver->disc, x, solver->disc->nodal.residual, f));
   /* a rank may own no unknown of its failing points: the flag travels apart */
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_MAX, solver->disc->comm));
@@ -59,6 +56,14 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
   if (failed && solver->disc->space->owned) values[0] = PETSC_INFINITY;
   PetscCall(VecRestoreArray(f, &values));
   PetscCall(MpmMonitorEnd(solver->monitor, timer, since));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
+{
+  PetscFunctionBeginUser;
+  (void)snes;
+  PetscCall(MpmNewtonResidual((MpmSolver *)ctx, x, MPM_MODE_END, f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,7 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "problem/evaluation.h"
+#include "base/version.h"
 #include "talus/talus.h"
 
 /* Action of a run at an equilibrium that is not stable. */
@@ -161,9 +161,6 @@ PetscErrorCode MpmNewtonSetMats(MpmSolver *solver);
 PetscErrorCode MpmExcursionEnd(MpmExcursion *excursion);
 /* True where any contact is near enough to act in this step. Equal on all ranks. */
 PetscBool MpmSolverHasContact(const MpmSolver *solver);
-/* Sums the residual of disc->nodal.u over the points, force included; leaves it with the nodes' owners, along the
-   axes. */
-PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed);
 /* The potential at x, J, and a measure of its rounding, J; the trial becomes that of x. `failed`: of all ranks. */
 PetscErrorCode MpmSumPotential(MpmSolver *solver, Vec x, PetscReal *value, PetscReal *size, PetscInt *failed);
 /* Brings the solution vector to the local nodes, ghosts included. */

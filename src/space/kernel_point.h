@@ -13,7 +13,7 @@
 /* Gravity of the water at point p. */
 MPM_INLINE const PetscReal *MpmSumGravity(const MpmSum *sum, PetscInt p)
 {
-  return sum->still.gravity ? &sum->still.gravity[p * sum->space->dim] : sum->gravity;
+  return sum->still.gravity ? &sum->still.gravity[p * sum->space->dim] : sum->step.gravity;
 }
 
 /* The kernel's view of point p. */
@@ -34,10 +34,10 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->gravity            = MpmSumGravity(sum, p);
   point->cell               = sum->cell;
   point->material.info      = &material->info;
-  point->stage              = sum->first ? &sum->first[p] : NULL;
-  point->volume0            = sum->part * points->volume0[p];
-  point->dt                 = sum->dt;
-  point->material.traits    = material->info.traits | (sum->drained ? MPM_POINT_DRAINED : 0u);
+  point->stage              = sum->step.first ? &sum->step.first[p] : NULL;
+  point->volume0            = sum->step.part * points->volume0[p];
+  point->dt                 = sum->step.dt;
+  point->material.traits    = material->info.traits | (sum->step.drained ? MPM_POINT_DRAINED : 0u);
   point->material.law       = material->law;
   point->material.table     = material->table;
   point->material.dilatancy = material->dilatancy;
@@ -45,14 +45,13 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->end.own            = NULL;
   point->end.F              = NULL;
   point->end.stress         = NULL;
-  point->stress_n           = sum->rest ? &points->stress[p * MpmSymSize(dim)] : NULL;
+  point->stress_n           = sum->mode == MPM_MODE_START ? &points->stress[p * MpmSymSize(dim)] : NULL;
 }
 
-/* Destinations of the kernel's candidate of the step's end. */
-MPM_INLINE void MpmSumTrial(const MpmSum *sum, PetscInt p, MpmKernelPoint *point)
+/* Destinations of the kernel's candidate of the step's end; `trial` NULL: none. */
+MPM_INLINE void MpmSumTrial(const MpmSum *sum, const MpmTrial *trial, PetscInt p, MpmKernelPoint *point)
 {
-  const MpmTrial *trial = sum->trial;
-  const PetscInt  dim   = sum->space->dim;
+  const PetscInt dim = sum->space->dim;
 
   if (!trial) return;
   if (sum->kept.own) point->end.own = &trial->own[p * sum->kept.own];

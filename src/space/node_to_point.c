@@ -97,9 +97,10 @@ static void KeepValues(const MpmSum *sum, const MpmGroup *group, PetscInt p, con
 }
 
 /* One group's points go where the displacement at its nodes takes them. */
-MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                      const PetscReal u[], PetscReal values[], MpmWorkspace *work)
+MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, const MpmTrial *trial,
+                                      const MpmGroup *group, const PetscReal u[], MpmWorkspace *work)
 {
+  PetscReal *const values = work->values;
   const PetscInt   dim    = known.dim;
   const MpmPoints *points = sum->points;
 
@@ -113,13 +114,13 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
     if (points->motion.increment) {
       MpmFetch(points->motion.increment, ahead, MPM_INCREMENT(dim));
       MpmFetch(points->F, ahead, points->F_size);
-      MpmFetch(sum->trial->F, ahead, points->F_size);
+      MpmFetch(trial->F, ahead, points->F_size);
     }
     Interpolate(known, sum, p, values, field);
     for (PetscInt a = 0; a < dim; a++) points->x[p * dim + a] += field[a];
     if (!known.solid && points->physics.value) KeepValues(sum, group, p, field, values, work);
     if (points->motion.increment)
-      KeepIncrement(dim, field, MpmPointF(points, p), &sum->trial->F[p * points->F_size],
+      KeepIncrement(dim, field, MpmPointF(points, p), &trial->F[p * points->F_size],
                     &points->motion.increment[p * MPM_INCREMENT(dim)]);
   }
   return PETSC_SUCCESS;
@@ -138,33 +139,33 @@ static void AddAcross(const MpmSum *sum)
 }
 
 /* F, stress and history become the points'. */
-static PetscErrorCode KeepTrial(const MpmSum *sum)
+static PetscErrorCode KeepTrial(const MpmSum *sum, const MpmTrial *trial)
 {
   const MpmPoints *points = sum->points;
   const PetscInt   dim    = sum->space->dim;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscArraycpy(points->F, sum->trial->F, points->count * points->F_size));
-  PetscCall(PetscArraycpy(points->stress, sum->trial->stress, points->count * MpmSymSize(dim)));
+  PetscCall(PetscArraycpy(points->F, trial->F, points->count * points->F_size));
+  PetscCall(PetscArraycpy(points->stress, trial->stress, points->count * MpmSymSize(dim)));
   AddAcross(sum);
-  PetscCall(PetscArraycpy(points->physics.own, sum->trial->own, points->count * sum->kept.own));
+  PetscCall(PetscArraycpy(points->physics.own, trial->own, points->count * sum->kept.own));
   for (PetscInt p = 0; sum->kept.state && p < points->count; p++)
-    PetscCall(PetscArraycpy(&points->state[p * sum->kept.state], &sum->trial->state[p * sum->kept.state],
+    PetscCall(PetscArraycpy(&points->state[p * sum->kept.state], &trial->state[p * sum->kept.state],
                             sum->materials[points->material[p]].state_size));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCommitMoves(const MpmSum *sum, PetscReal dt, const PetscReal moves[])
+PetscErrorCode MpmCommitMoves(const MpmSum *sum, const MpmTrial *trial, PetscReal dt, const PetscReal moves[])
 {
   const PetscInt count = sum->points->count * sum->space->dim;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < count; k++) sum->points->x[k] += dt * moves[k];
-  PetscCall(KeepTrial(sum));
+  PetscCall(KeepTrial(sum, trial));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[])
+PetscErrorCode MpmCommitLocal(const MpmSum *sum, const MpmTrial *trial, const PetscReal u[])
 {
   MpmWorkspace work;
 
@@ -173,9 +174,9 @@ PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[])
   for (PetscInt g = 0; g < sum->space->group_count; g++) {
     const MpmGroup *group = &sum->space->groups[g];
 
-    MPM_DISPATCH(sum->layout, group, CommitGroup, sum, group, u, work.values, &work);
+    MPM_DISPATCH(sum->layout, group, CommitGroup, sum, trial, group, u, &work);
   }
   PetscCall(PetscFree(work.storage));
-  PetscCall(KeepTrial(sum));
+  PetscCall(KeepTrial(sum, trial));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

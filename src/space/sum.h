@@ -5,46 +5,56 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "base/version.h"
+#include "space/mode.h"
 #include "talus/point/tables.h"
 
-/* Candidate of the points' state at the step's end, F, Cauchy stress and history, at the displacement last used. */
+/* Candidate of the points' state at the step's end: F, Cauchy stress and history. */
 typedef struct MpmTrial {
-  PetscReal *F, *stress, *state, *own, *u;
-  PetscBool  made; /* belongs to the model's residual */
+  PetscReal *F, *stress, *state, *own;
+  PetscReal *u;  /* displacement of the local nodes that explicit steps take it at */
+  MpmVersion of; /* unknowns that it belongs to, with the residual of the problem */
 } MpmTrial;
 
-/* Water at rest below its level (step/water_state.c); NULL without one. */
-typedef struct {
+/* Water at rest below its level (step/water_state.c), allocated by PetscMalloc3(); NULL without one. */
+struct MpmWaterAtRest {
   PetscReal *pressure; /* at the local nodes, Pa */
   PetscBool *bent;     /* nodes where the pressure is not hydrostatic */
   PetscReal *gravity;  /* driving the water of each point, m/s2 */
-} MpmWaterAtRest;
+};
 
 /* Numbers kept of a point's history: the law's, and the physics' own. */
 typedef struct {
   PetscInt state, own;
 } MpmKeptSizes;
 
-/* All that the loops over points need; borrowed for the length of a step. */
+/* A step as sums over its points take it. */
+typedef struct MpmSumStep {
+  PetscReal dt;   /* in which something flows, s: the step's length, with two stages a part of it */
+  PetscReal span; /* from the step's start to the time that is solved for, s */
+  PetscReal part; /* of the points' forces in the balance: 1, or less where some of it is the step's start's */
+  PetscReal gravity[MPM_MAX_DIM]; /* at the step's end, m/s2 */
+  PetscBool drained;              /* the pressure of the water is that of a steady flow */
+  const MpmKernelStage *first;    /* of each point, in the second of two stages (sdirk.c); or NULL */
+} MpmSumStep;
+
+/*
+  All that the loops over points need; arrays are borrowed. A problem has one for the present step, which its own
+  functions set (problem/discretization.h); a sum of another kind takes a copy.
+*/
 typedef struct MpmSum {
-  const MpmGrid        *grid;
-  const PetscReal      *cell; /* the grid's, m */
-  const MpmSpace       *space;
-  const MpmLayout      *layout;
-  const MpmMaterial    *materials;
-  const MpmPoints      *points;
-  PetscInt              block; /* values a node has */
-  MpmKeptSizes          kept;
-  PetscReal             dt;   /* in which something flows, s: the step's length, with two stages a part of it */
-  PetscReal             span; /* from the step's start to the time that is solved for, s */
-  PetscReal             gravity[MPM_MAX_DIM]; /* at the step's end, m/s2 */
-  MpmWaterAtRest        still;
-  const PetscReal      *deviation_n; /* of the points, at the step's start (at_points.c); NULL: no field has one */
-  const MpmKernelStage *first;       /* of each point, in the second of two stages (sdirk.c); or NULL */
-  PetscReal       part;    /* of the points' forces in the balance: 1, or less where some of it is the step's start's */
-  PetscBool       drained; /* the pressure of the water is that of a steady flow */
-  PetscBool       rest;    /* no motion: stresses are those of the step's start */
-  const MpmTrial *trial;   /* where residuals leave the step's end; NULL: nowhere */
+  const MpmGrid     *grid;
+  const PetscReal   *cell; /* the grid's, m */
+  const MpmSpace    *space;
+  const MpmLayout   *layout;
+  const MpmMaterial *materials;
+  const MpmPoints   *points;
+  PetscInt           block; /* values a node has */
+  MpmKeptSizes       kept;
+  MpmSumStep         step;
+  MpmWaterAtRest     still;
+  PetscReal         *deviation_n; /* of the points, at the step's start (at_points.c); NULL: no field has one */
+  MpmMode            mode;
 } MpmSum;
 
 /*
@@ -77,6 +87,6 @@ PetscErrorCode MpmFindOutside(const MpmSum *sum, const MpmGrid *next, const Pets
                               PetscReal x[]);
 
 /* The trial becomes the state: history, F, stress, and positions and rate values that go with u. */
-PetscErrorCode MpmCommitLocal(const MpmSum *sum, const PetscReal u[]);
+PetscErrorCode MpmCommitLocal(const MpmSum *sum, const MpmTrial *trial, const PetscReal u[]);
 /* The commit where the points' own velocities are known, and no field has a rate. */
-PetscErrorCode MpmCommitMoves(const MpmSum *sum, PetscReal dt, const PetscReal moves[]);
+PetscErrorCode MpmCommitMoves(const MpmSum *sum, const MpmTrial *trial, PetscReal dt, const PetscReal moves[]);

@@ -12,6 +12,7 @@
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "problem/discretization.h"
+#include "solve/iterate.h"
 #include "query/model.h"
 #include "step/step.h"
 
@@ -126,10 +127,10 @@ PetscErrorCode MpmStepLocate(MpmModel model, MpmOutcome *outcome)
 
   PetscFunctionBeginUser;
   PetscCall(MpmGatherSolution(&model->solver, model->solver.x));
-  PetscCall(MpmSumResidual(&model->solver, &failed));
+  PetscCall(MpmSumResidual(&model->solver, model->solver.x, MPM_MODE_END, &failed));
   MpmFramesToUnknowns(model->disc.constraints, bs, MpmNodesOwned(&model->disc), model->disc.nodal.residual);
-  model->disc.trial->made = PETSC_FALSE;
-  tell                    = (PetscBool)(!failed && AllTell(model));
+  model->disc.trial->of.id = 0;
+  tell                     = (PetscBool)(!failed && AllTell(model));
   FindForce(model, &most.size, place);
   for (PetscInt p = 0; tell && p < model->disc.points->count; p++) count[0] += Flows(model, p) ? 1. : 0.;
   count[1] = tell ? 0. : 1.;

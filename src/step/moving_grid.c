@@ -354,7 +354,7 @@ PetscErrorCode MpmMovingGridNext(MpmModel model, MpmGrid *next)
   *next = *model->disc.grid;
   if (follow->what == MPM_FOLLOW_NOTHING) PetscFunctionReturn(PETSC_SUCCESS);
   if (follow->what == MPM_FOLLOW_BOUNDARY) {
-    BoundaryPlace(model, model->state.time + model->disc.sum->span, model->disc.nodal.u, moved);
+    BoundaryPlace(model, model->state.time + model->disc.sum->step.span, model->disc.nodal.u, moved);
     for (PetscInt a = 0; a < model->disc.dim; a++) moved[a] -= model->state.grid.start[a];
   } else {
     PetscCall(MeanIncrement(model, moved));

@@ -213,7 +213,6 @@ PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, 
 static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, MpmOutcome *outcome)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscArraycpy(model->disc.sum->gravity, rules->gravity, MPM_MAX_DIM));
   PetscCall(MpmModelPrescribe(model, time, outcome));
   if (!outcome->code) PetscCall(FindLostMaterial(model, time, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
@@ -221,7 +220,6 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
     model->disc.context.surfaces->factor[k]   = StepLoadFactor(model, model->scene.loads->count + k, time);
     model->disc.context.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
   }
-  model->disc.sum->drained            = model->scene.stages.at[model->state.stage].drained;
   model->disc.context.surfaces->still = model->state.scheme.water_held;
   model->disc.context.surfaces->table = model->scene.water;
   model->disc.context.surfaces->open  = model->state.scheme.load_scale;
@@ -238,12 +236,25 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   PetscCall(AddIncoming(model, time, 1. - model->state.scheme.load_at_start, model->state.scheme.load_at_start,
                         model->disc.nodal.force));
   if (model->scene.body_force.function) {
-    const PetscReal at = time - model->state.scheme.load_at_start * model->disc.sum->span;
+    const PetscReal at = time - model->state.scheme.load_at_start * model->disc.sum->step.span;
 
     PetscCall(MpmBodyForceApply(model->scene.body_force.function, model->scene.body_force.ctx, at, model->disc.sum,
                                 model->disc.nodal.force));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Data of the sums over points; a first sub-step of two stays. */
+static void SetSums(MpmModel model, const MpmRules *rules, PetscReal time, PetscReal dt)
+{
+  MpmSumStep step = {.dt      = dt,
+                     .span    = model->state.scheme.rescuing.on ? time - model->state.time : dt,
+                     .part    = 1.,
+                     .drained = model->scene.stages.at[model->state.stage].drained,
+                     .first   = model->disc.sum->step.first};
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) step.gravity[a] = rules->gravity[a];
+  MpmDiscretizationSetStep(&model->disc, &step);
 }
 
 PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
@@ -256,8 +267,7 @@ PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscB
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   if (!again) PetscCall(PrepareSpace(model, &rules, outcome));
   if (!outcome->code) {
-    model->disc.sum->dt   = dt;
-    model->disc.sum->span = model->state.scheme.rescuing.on ? time - model->state.time : dt;
+    SetSums(model, &rules, time, dt);
     PetscCall(PrepareConditions(model, &rules, time, outcome));
   }
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_TRANSFER, since));

@@ -11,6 +11,7 @@
 #include "assembly/terms.h"
 #include "loads/body_surface.h"
 #include "problem/section.h"
+#include "solve/iterate.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "step/energy.h"
@@ -22,16 +23,15 @@ static PetscErrorCode KeepDeviations(MpmModel model, const PetscReal u[])
 {
   const MpmSpace *space = model->disc.space;
   const PetscInt  bs = model->disc.block, count = model->disc.points->count * model->disc.layout->deviation.count;
-  PetscReal      *local;
+  PetscReal      *local, *deviation;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1((space->local * bs), &local));
   PetscCall(PetscArraycpy(local, u, space->owned * bs));
   PetscCall(MpmSpaceToGhosts(space, bs, local));
-  PetscCall(PetscFree(model->disc.deviation_n));
-  PetscCall(PetscMalloc1(count, &model->disc.deviation_n));
-  PetscCall(MpmDeviationsAtPoints(model->disc.sum, local, model->disc.deviation_n));
-  model->disc.sum->deviation_n = model->disc.deviation_n;
+  PetscCall(PetscMalloc1(count, &deviation));
+  PetscCall(MpmDeviationsAtPoints(model->disc.sum, local, deviation));
+  PetscCall(MpmDiscretizationSetDeviations(&model->disc, deviation));
   PetscCall(PetscFree(local));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -80,9 +80,9 @@ static PetscErrorCode Predict(MpmModel model, PetscReal u[])
 {
   const PetscInt  dim = model->disc.dim, bs = model->disc.block, size = dim * (dim + 1);
   const PetscBool smooth = (PetscBool)(model->state.dt.before > 0. && !MpmSolverHasContact(&model->solver));
-  const PetscReal change = smooth ? PREDICTED_CHANGE * model->disc.sum->span / model->state.dt.last : 0.;
-  const PetscReal last   = (1. + change) * model->disc.sum->span / model->state.dt.last;
-  const PetscReal before = change > 0. ? change * model->disc.sum->span / model->state.dt.before : 0.;
+  const PetscReal change = smooth ? PREDICTED_CHANGE * model->disc.sum->step.span / model->state.dt.last : 0.;
+  const PetscReal last   = (1. + change) * model->disc.sum->step.span / model->state.dt.last;
+  const PetscReal before = change > 0. ? change * model->disc.sum->step.span / model->state.dt.before : 0.;
   PetscReal      *nodal, *expected;
 
   PetscFunctionBeginUser;
@@ -108,7 +108,8 @@ PetscErrorCode MpmStepStart(MpmModel model, PetscBool predict)
   PetscCall(VecGetArray(model->solver.x, &x));
   PetscCall(ProjectRates(model, x));
   if (predict) PetscCall(Predict(model, x));
-  MpmTermsGuess(model->disc.terms, model->disc.sum, predict ? model->disc.sum->span / model->state.dt.last : 0., x);
+  MpmTermsGuess(model->disc.terms, model->disc.sum, predict ? model->disc.sum->step.span / model->state.dt.last : 0.,
+                x);
   MpmFramesToUnknowns(model->disc.constraints, model->disc.block, model->disc.space->owned, x);
   MpmUnitsOver(model->disc.constraints, n, x);
   MpmConstraintsPrescribe(model->disc.constraints, n, x);
@@ -177,15 +178,16 @@ PetscErrorCode MpmStepFindLost(MpmModel model, MpmOutcome *outcome)
 /* Those of the last evaluation, where it was made there. */
 PetscErrorCode MpmStepFindTrial(MpmModel model)
 {
-  const PetscInt count = model->disc.space->local * model->disc.block;
-  PetscBool      same  = model->disc.trial->made;
-  PetscInt       failed;
+  MpmVersion at;
+  PetscBool  same;
+  PetscInt   failed;
 
   PetscFunctionBeginUser;
-  if (same) PetscCall(PetscArraycmp(model->disc.trial->u, model->disc.nodal.u, count, &same));
+  PetscCall(MpmVersionGet(model->solver.x, &at));
+  same = MpmVersionIsSame(&at, &model->disc.trial->of);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &same, 1, MPM_MPI_BOOL, MPI_LAND, model->comm));
   if (same) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSumResidual(&model->solver, &failed));
+  PetscCall(MpmSumResidual(&model->solver, model->solver.x, MPM_MODE_END, &failed));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
   PetscCheck(!failed, model->comm, PETSC_ERR_PLIB, "a converged step has %" PetscInt_FMT " points without an answer",
              failed);
@@ -256,9 +258,9 @@ PetscErrorCode MpmStepFindReference(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(VecNorm(model->solver.x, NORM_INFINITY, &motion)); /* constrained nodes may move */
-  model->disc.sum->rest = (PetscBool)(motion == 0. && !model->disc.layout->means);
-  PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
-  model->disc.sum->rest = PETSC_FALSE;
+  PetscCall(MpmNewtonResidual(&model->solver, model->solver.x,
+                              motion == 0. && !model->disc.layout->means ? MPM_MODE_START : MPM_MODE_END,
+                              model->solver.f));
   PetscCall(MpmSolverSetReference(&model->solver, model->solver.f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -146,28 +146,28 @@ static PetscBool IsBent(const MpmStillWater *still, const PetscReal x[], PetscRe
    water. */
 static PetscErrorCode SetStill(MpmModel model, const MpmStillWater *still)
 {
-  MpmSum              *sum   = model->disc.sum;
+  const MpmSum        *sum   = model->disc.sum;
   const MpmWaterTable *table = still->table;
   const PetscInt       dim = model->disc.dim, local = MpmNodesLocal(&model->disc), count = still->count;
+  MpmWaterAtRest       rest = {NULL, NULL, NULL};
 
   PetscFunctionBeginUser;
-  PetscCall(PetscFree3(sum->still.pressure, sum->still.bent, sum->still.gravity));
-  if (!table->there) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscCalloc3(local, &sum->still.pressure, local, &sum->still.bent, (count * dim), &sum->still.gravity));
-  for (PetscInt i = 0; i < local; i++) {
+  if (table->there) PetscCall(PetscCalloc3(local, &rest.pressure, local, &rest.bent, (count * dim), &rest.gravity));
+  for (PetscInt i = 0; table->there && i < local; i++) {
     PetscReal x[MPM_MAX_DIM];
 
     if (!MpmNodeInGrid(&model->disc, i)) continue;
     MpmNodePosition(&model->disc, i, x);
-    sum->still.pressure[i] = AtNode(still, x);
-    sum->still.bent[i]     = IsBent(still, x, sum->still.pressure[i]);
+    rest.pressure[i] = AtNode(still, x);
+    rest.bent[i]     = IsBent(still, x, rest.pressure[i]);
   }
-  PetscCall(MpmScalarAtPoints(sum, sum->still.pressure, NULL, sum->still.gravity));
-  for (PetscInt p = 0; p < count; p++) {
-    const PetscReal share = -(PetscReal)table->up * sum->still.gravity[p * dim + table->axis] / table->weight;
+  if (table->there) PetscCall(MpmScalarAtPoints(sum, rest.pressure, NULL, rest.gravity));
+  for (PetscInt p = 0; table->there && p < count; p++) {
+    const PetscReal share = -(PetscReal)table->up * rest.gravity[p * dim + table->axis] / table->weight;
 
-    for (PetscInt a = 0; a < dim; a++) sum->still.gravity[p * dim + a] = share * sum->gravity[a];
+    for (PetscInt a = 0; a < dim; a++) rest.gravity[p * dim + a] = share * sum->step.gravity[a];
   }
+  PetscCall(MpmDiscretizationSetWater(&model->disc, &rest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -322,7 +322,7 @@ PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time)
 /* Which way is up: an axis and a sense, and the weight of the water, N/m3; PETSC_FALSE where no axis is. */
 static PetscBool FindUp(const MpmModel model, PetscInt *axis, PetscReal *up, PetscReal *weight)
 {
-  const PetscReal *gravity = model->disc.sum->gravity;
+  const PetscReal *gravity = model->disc.sum->step.gravity;
   PetscReal        across  = 0.;
 
   *axis = 0;

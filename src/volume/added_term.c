@@ -36,7 +36,7 @@ static MpmTermElement Element(const MpmAddedTerm *added, const MpmSum *sum, Pets
                           .origin    = &points->origin[p * dim],
                           .volume0   = points->volume0[p],
                           .time      = added->time,
-                          .dt        = sum->span,
+                          .dt        = sum->step.span,
                           .id        = points->id[p],
                           .parameter = added->parameter,
                           .table     = added->table,

@@ -95,8 +95,8 @@ static PetscBool IsDry(const MpmSum *sum, const MpmFace *face)
 /* Penalty on the water's pressure: flow and storage, or flow alone. */
 static PetscReal Flow(const MpmSum *sum, const MpmPhysicsMaterial *of, const PetscReal parameter[], PetscReal h)
 {
-  return sum->drained ? sum->layout->ghost(of, parameter, LONG * sum->dt, h) / LONG
-                      : sum->layout->ghost(of, parameter, sum->dt, h);
+  return sum->step.drained ? sum->layout->ghost(of, parameter, LONG * sum->step.dt, h) / LONG
+                           : sum->layout->ghost(of, parameter, sum->step.dt, h);
 }
 
 /* The circumference at the middle of a face's box, m; 1 without axial symmetry. */

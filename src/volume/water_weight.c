@@ -54,7 +54,7 @@ static void Evaluate(const MpmSum *sum, PetscInt p, PetscInt n, const MpmBasis *
   rank->taken = Volume(sum, p, dF, by) - 1.;
   for (PetscInt k = 0; k < dim * n; k++) rank->row[k] = rank->column[k] = 0.;
   for (PetscInt a = 0; a < dim; a++) {
-    MpmBasisAddForce(basis, n, scale * sum->gravity[a], &rank->row[a * n]);
+    MpmBasisAddForce(basis, n, scale * sum->step.gravity[a], &rank->row[a * n]);
     for (PetscInt b = 0; b < dim; b++) MpmBasisAddFlux(basis, n, b, by[a * dim + b], &rank->column[a * n]);
   }
   if (hoop) MpmBasisAddHoop(basis, n, by[dim * dim], rank->column);
@@ -128,7 +128,7 @@ static PetscErrorCode SumPoints(const MpmSum *sum, const PetscReal u[], const Wa
 static PetscBool IsWeightless(const MpmSum *sum)
 {
   for (PetscInt a = 0; a < sum->space->dim; a++)
-    if (sum->gravity[a] != 0.) return PETSC_FALSE;
+    if (sum->step.gravity[a] != 0.) return PETSC_FALSE;
   return PETSC_TRUE;
 }
 

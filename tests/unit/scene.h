@@ -13,6 +13,7 @@
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "schedule/schedule.h"
+#include "solve/iterate.h"
 #include "step/step.h"
 #include "query/model.h"
 #include "unit.h"
@@ -84,11 +85,11 @@ static inline PetscErrorCode SceneCommit(MpmModel model, Vec x)
 
   PetscFunctionBeginUser;
   PetscCall(MpmGatherSolution(&model->solver, x));
-  PetscCall(MpmSumResidual(&model->solver, &failed));
+  PetscCall(MpmSumResidual(&model->solver, x, MPM_MODE_END, &failed));
   PetscCheck(!failed, PETSC_COMM_SELF, PETSC_ERR_PLIB, "%" PetscInt_FMT " points have no answer", failed);
-  PetscCall(MpmCommitLocal(model->disc.sum, model->disc.nodal.u));
+  PetscCall(MpmCommitLocal(model->disc.sum, model->disc.trial, model->disc.nodal.u));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  model->state.time += model->disc.sum->dt;
+  model->state.time += model->disc.sum->step.dt;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

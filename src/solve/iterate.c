@@ -6,6 +6,7 @@
 #include "points/point_terms.h"
 #include "problem/discretization.h"
 #include "problem/potential.h"
+#include "solve/iterate.h"
 #include "solve/line_search.h"
 
 PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x)
@@ -15,41 +16,33 @@ PetscErrorCode MpmGatherSolution(MpmSolver *solver, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSumResidual(MpmSolver *solver, PetscInt *failed)
+PetscErrorCode MpmSumResidual(MpmSolver *solver, Vec x, MpmMode mode, PetscInt *failed)
 {
-  MpmDiscretization *disc = solver->disc;
+  MpmDiscretization *disc  = solver->disc;
+  const MpmTrial    *trial = mode == MPM_MODE_START ? NULL : disc->trial;
+  MpmSum             sum   = *disc->sum;
 
   PetscFunctionBeginUser;
-  disc->sum->trial = disc->sum->rest ? NULL : disc->trial;
-  PetscCall(MpmEvaluateForces(disc, disc->sum, disc->nodal.u, disc->nodal.residual, failed));
-  disc->trial->made = (PetscBool)(disc->sum->trial != NULL);
-  if (disc->trial->made) PetscCall(PetscArraycpy(disc->trial->u, disc->nodal.u, MpmNodesLocal(disc) * disc->block));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The trial becomes that of disc->nodal.u, without the residual, which it no longer goes with; unless it is there. */
-static PetscErrorCode FindTrial(MpmDiscretization *disc, PetscInt *failed)
-{
-  PetscBool same = disc->trial->made;
-
-  PetscFunctionBeginUser;
-  *failed = 0;
-  if (same) PetscCall(PetscArraycmp(disc->trial->u, disc->nodal.u, MpmNodesLocal(disc) * disc->block, &same));
-  if (same) PetscFunctionReturn(PETSC_SUCCESS);
-  disc->trial->made = PETSC_FALSE;
-  disc->sum->trial  = disc->trial;
-  PetscCall(MpmPointsUpdate(disc->sum, disc->nodal.u, failed));
-  disc->sum->trial = NULL;
+  sum.mode           = mode;
+  disc->trial->of.id = 0;
+  PetscCall(MpmEvaluateForces(disc, &sum, disc->nodal.u, trial, disc->nodal.residual, failed));
+  if (x && trial) PetscCall(MpmVersionGet(x, &disc->trial->of));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSumPotential(MpmSolver *solver, Vec x, PetscReal *value, PetscReal *size, PetscInt *failed)
 {
   MpmDiscretization *disc = solver->disc;
+  MpmVersion         at;
 
   PetscFunctionBeginUser;
+  *failed = 0;
   PetscCall(MpmGatherSolution(solver, x));
-  PetscCall(FindTrial(disc, failed));
+  PetscCall(MpmVersionGet(x, &at));
+  if (!MpmVersionIsSame(&at, &disc->trial->of)) {
+    disc->trial->of.id = 0; /* the residual stays that of other unknowns */
+    PetscCall(MpmPointsUpdate(disc->sum, disc->nodal.u, disc->trial, failed));
+  }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, failed, 1, MPIU_INT, MPI_SUM, disc->comm));
   if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmPotentialEvaluate(disc, disc->sum, disc->nodal.u, disc->trial, value, size));
