@@ -223,11 +223,13 @@ def initial_lengths(initial, joined=False):
         first = "F" in initial and not joined
         stretch = np.linalg.norm(initial["F"].reshape(-1, 3, 3), axis=1)[:, :dim] if first else 1.0
         return 2.0 * initial["half_length"] * stretch
-    volume = initial["volume"] / (np.linalg.det(initial["F"].reshape(-1, 3, 3)) if "F" in initial else 1.0)
     lengths = np.empty(dim)
     for axis in range(dim):
         gaps = np.diff(np.unique(np.round(position[:, axis], 9)))
         lengths[axis] = gaps.min() if gaps.size else 0.0
+    if "volume" not in initial:  # nor anything else that tells
+        return np.tile(np.where(lengths > 0.0, lengths, lengths.max() if lengths.max() > 0.0 else 1.0), (len(position), 1))
+    volume = initial["volume"] / (np.linalg.det(initial["F"].reshape(-1, 3, 3)) if "F" in initial else 1.0)
     # One point a row on some axis leaves its length open: the volume tells it.
     if np.count_nonzero(lengths == 0.0) == 1:
         lengths[lengths == 0.0] = np.median(volume) / np.prod(lengths[lengths > 0.0])

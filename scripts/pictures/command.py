@@ -2,6 +2,7 @@
 import argparse
 import os
 import sys
+from pathlib import Path
 
 import matplotlib
 
@@ -129,6 +130,7 @@ def main(words=None, program="plot.py"):
             view(results, Scene(results), arguments)
             return 0
         arguments.output = arguments.output or ("plot.gif" if arguments.film else "plot.png")
+        Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
         make(arguments)
     except (ResultsError, OSError, ValueError) as error:
         print(f"{parser.prog}: {error}", file=sys.stderr)

@@ -8,7 +8,7 @@ import numpy as np
 
 SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 APART = 0.5  # of a domain's edge: corners further from their mean belong to material that has parted
-CORNER = 1e-4  # of a domain's edge: corners nearer to each other are one
+CORNER = 1e-3  # of a domain's edge: corners nearer to each other are one
 SLIVER = 1e-6  # of a domain: less of a region is left out
 
 # Domains: corners (n, m, 2), short ones with their last corner repeated; `owner`: the point of each; `start`: the corners at
@@ -140,11 +140,12 @@ def _covers(corners, origin, owner):
 
 
 def number_corners(start, lengths, part):
-    """A number for each corner, alike where corners of one part meet at first."""
-    unit = CORNER * lengths.min()
-    lattice = np.rint((start - start.reshape(-1, 2).min(axis=0)) / unit).astype(np.int64)
-    wide = lattice[..., 1].max() + 1
-    code = (lattice[..., 0] * wide + lattice[..., 1]) * (part.max() + 2) + (part[:, None] + 1)
+    """A number for each corner, alike where corners of one part meet at first; in the plane or in space."""
+    dim = start.shape[-1]
+    lattice = np.rint((start - start.reshape(-1, dim).min(axis=0)) / (CORNER * lengths.min())).astype(np.int64)
+    code = np.broadcast_to(part[:, None].astype(np.int64) + 1, start.shape[:2])
+    for axis in range(dim):
+        code = code * (lattice[..., axis].max() + 1) + lattice[..., axis]
     return np.unique(code, return_inverse=True)[1].reshape(code.shape)
 
 

@@ -10,9 +10,8 @@ from results import ResultsError
 
 from . import marks, style
 from .plane import draw_groups, draw_outlines, look_at, set_frame
-from .space import draw_space, space_frame
+from .space import draw_space_groups, space_frame
 from .states import TITLE, figure_size, new_axes, read_points
-from .fields import Scale
 
 LINES = 60  # of the grid along an axis; finer grids show every second, third or so
 
@@ -117,14 +116,8 @@ def plot_scene(results, scene, arguments):
 
 def plot_space(results, scene, state, arguments):
     """A scene in space: its surface by material."""
-    from matplotlib.colors import ListedColormap
-
-    count = max(len(scene.materials), 1)
-    colours = ListedColormap([style.material_colour(k) for k in range(count)])
     figure = plt.figure(figsize=figure_size(space_frame(results, state, arguments)), layout="constrained")
     axes = new_axes(figure, False)
-    draw_space(axes, results, scene, state, state["material"].astype(float), Scale(colours, -0.5, count - 0.5), arguments)
-    handles = [Patch(facecolor=style.material_colour(k), edgecolor=style.INK, linewidth=0.5, label=name) for k, name in enumerate(scene.materials)]
-    style.legend_below(axes, handles)
+    draw_space_groups(axes, results, state, (state["material"].astype(int), scene.materials), arguments)
     figure.suptitle("\n".join(textwrap.wrap(arguments.title or scene.title, TITLE)))
     return figure

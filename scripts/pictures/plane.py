@@ -9,6 +9,8 @@ from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
+from results import ResultsError
+
 from . import style
 from .domains import Region, first_domains, frame_of, moved_domains, outline
 
@@ -145,7 +147,10 @@ def draw_contours(axes, look, values, scale, count):
 
 def draw_arrows(axes, look, name):
     """Arrows of a vector field on an even lattice of places; the largest has the lattice's spacing."""
-    vectors = look.state[name][:, :2]
+    vectors = look.state[name]
+    if vectors.ndim != 2 or vectors.shape[1] not in (2, 3):
+        raise ResultsError(f"--arrows {name}: this field is no vector")
+    vectors = vectors[:, :2]
     lower, upper = look.state["position"].min(axis=0), look.state["position"].max(axis=0)
     spacing = max(np.max(upper - lower) / ARROWS, look.origin.lengths.max())
     cell = np.floor((look.state["position"] - lower) / spacing).astype(int)

@@ -1,12 +1,14 @@
 """A state in space: the faces of the domains at the material's surface, with light from above."""
 import numpy as np
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from . import style
-from .domains import deformation, frame_of, half_lengths
+from .domains import deformation, frame_of, half_lengths, join, number_corners
+from .fields import Scale
 
 MARGIN = 0.02
 VIEW = {"elev": 22, "azim": -60}  # degrees
@@ -23,7 +25,12 @@ def space_corners(results, state, arguments):
         return origin.position[:, None] + 0.5 * BOX * origin.lengths[:, None]
     local = BOX * half_lengths(state, origin)[:, None]
     corners = state["position"][:, None] + np.einsum("pij,pkj->pki", deformation(state), local)
-    return corners + (arguments.scale - 1.0) * state["displacement"][:, None] if arguments.scale != 1.0 else corners
+    number = number_corners(origin.position[:, None] + 0.5 * BOX * origin.lengths[:, None], origin.lengths, np.zeros(len(corners), int))
+    corners = join(corners, number, origin.lengths.min(axis=1))
+    if arguments.scale == 1.0:
+        return corners
+    move = np.repeat(state["displacement"][:, None], len(BOX), axis=1)
+    return corners + (arguments.scale - 1.0) * join(move, number, np.full(len(corners), np.inf))
 
 
 def space_frame(results, state, arguments):
@@ -45,7 +52,7 @@ def view_direction():
     return np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
 
 
-def draw_space(axes, results, scene, state, values, scale, arguments, frame=None):
+def draw_space(axes, results, state, values, scale, arguments, frame=None):
     """The faces at the surface that look at the eye; `values` by point."""
     corners, origin = space_corners(results, state, arguments), results.origin(state)
     lower, upper = frame if frame else frame_of(corners, MARGIN)
@@ -68,3 +75,14 @@ def draw_space(axes, results, scene, state, values, scale, arguments, frame=None
         axis.set_pane_color((0.97, 0.97, 0.97, 1.0))
         axis.label.set_fontsize(style.SMALL)
     return axes
+
+
+def draw_space_groups(axes, results, state, groups, arguments, frame=None):
+    """The surface by names, as of materials or bodies, with a legend; `groups`: (number of each point, names)."""
+    numbers, labels = groups
+    count = max(len(labels), 1)
+    colours = ListedColormap([style.material_colour(k) for k in range(count)])
+    draw_space(axes, results, state, numbers.astype(float), Scale(colours, -0.5, count - 0.5), arguments, frame)
+    handles = [Patch(facecolor=style.material_colour(k), edgecolor=style.INK, linewidth=0.5, label=labels[k]) for k in range(len(labels))
+               if np.any(numbers == k)]
+    axes.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, -0.08), ncols=min(len(handles), 5))

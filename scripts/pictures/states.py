@@ -9,7 +9,7 @@ from results import ResultsError
 from . import fields, marks, style, units
 from .plane import bar, bodies_of, draw_arrows, draw_contours, draw_groups, draw_outlines, look_at, paint, set_frame
 from .slices import slice_look
-from .space import draw_space, space_frame
+from .space import draw_space, draw_space_groups, space_frame
 
 COLUMNS = 3  # of small multiples, at most
 TITLE = 62  # letters a line
@@ -40,6 +40,8 @@ def title_of(scene, state, arguments, whole=True):
 def look_of(results, scene, state, arguments):
     """Geometry of a state: of the plane, or of a slice; None of a body in space."""
     if state.dim == 2:
+        if arguments.slice:
+            raise ResultsError("--slice: goes with a body in space")
         look = look_at(results, scene, state, not arguments.initial, arguments.scale)
         return look if arguments.plain else marks.widen(look, scene, state.time, scene.stage_at(state.step))
     return slice_look(results, scene, state, arguments.slice) if arguments.slice else None
@@ -72,10 +74,11 @@ def draw_state(figure, axes, results, scene, state, arguments, series=None):
         field = fields.read_field(look.state if look else state, arguments.field, arguments.component, size)
         scale = scale or fields.colour_scale(field.values, arguments.limits, arguments.colours)
         flat = field.uniform and not series and not arguments.limits
+    if look is None and groups is not None:
+        draw_space_groups(axes, results, state, groups, arguments, frame)
+        return None, None
     if look is None:
-        if groups is not None:
-            raise ResultsError(f"field '{arguments.field}' is drawn in the plane: give a --slice")
-        draw_space(axes, results, scene, state, field.values, scale, arguments, frame)
+        draw_space(axes, results, state, field.values, scale, arguments, frame)
         return scale, field.label
     if groups is not None:
         numbers = groups[0] if look.state is state else groups[0][look.rows]
