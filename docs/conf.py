@@ -13,6 +13,7 @@ html_title = "Talus"
 html_copy_source = False
 html_show_copyright = False
 pygments_style = "friendly"
+smartquotes = False
 suppress_warnings = ["myst.header"]  # of examples that begin with a smaller heading
 
 

@@ -5,6 +5,8 @@ scripts/make_site.py builds it with Sphinx from docs/, the examples and `talus -
 pages, and in a small site with faults put in. Words of -help=json (COVERED) stand in docs/theory.md, whose files and pages exist;
 every law has its section in docs/material.md, with equations and a source.
 
+With --full in the site's own theme, which takes twice as long.
+
 Quick.
 """
 import json
@@ -24,12 +26,15 @@ COVERED = ("kinematics", "shape", "shape_edge", "material_NAME_type", "contact_N
 # Lists of a scene and groups of options that theory.md has, by their names
 GROUPS = ("stabilization_", "materials", "surfaces", "boundaries", "contacts", "motions", "sections", "terms")
 PICTURE_BYTES = 150000
+FULL = "--full" in sys.argv
+sys.argv = [word for word in sys.argv if word != "--full"]
 
 
 def check_site(test):
     """Builds the site; every example is in its gallery, every option in its reference."""
     folder = test.folder()
-    built = call([sys.executable, ROOT / "scripts" / "make_site.py", test.program, folder], folder)
+    theme = "furo" if FULL else "basic"
+    built = call([sys.executable, ROOT / "scripts" / "make_site.py", test.program, folder, theme], folder)
     test.check("site.status", built.returncode, 0, 0)
     print(built.stdout, built.stderr)
     if built.returncode:
