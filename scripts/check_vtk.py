@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Opens result files in VTK as ParaView and pyvista do, and compares every number with what h5py reads.
+"""Opens result files in VTK as ParaView and pyvista do, and in meshio, and compares every number with what h5py reads.
 
-    python3 -m venv vtk && vtk/bin/pip install vtk pyvista h5py
-    vtk/bin/python scripts/check_vtk.py out/look.xdmf out/look_grid.xdmf ...
+    python3 -m venv vtk && vtk/bin/pip install vtk pyvista meshio h5py
+    vtk/bin/python scripts/check_vtk.py out/look.xdmf out/look_grid.xdmf out/look_000010.xdmf out/look.vtkhdf ...
 
-Every state of every index is read with vtkXdmfReader, by itself and through pyvista; its cells must be its points' rows
-(or, of a grid, what the file says), and threshold() must leave what numpy leaves. Prints a line an index; exit status 1
-where something differs. To be run by hand: the test suite does without VTK, see tests/verification/test_output_files.py.
+Every state of every index is read with vtkXdmfReader, by itself and through pyvista, and with meshio; its cells must be its
+points' rows (or, of a grid, what the file says), threshold() must leave what numpy leaves, and warp_by_vector() move the
+points by their displacement. A .vtkhdf file is read with vtkHDFReader and through pyvista (vtk 9.4), an index of one state
+with meshio and vtkXdmfReader. Prints a line a file; exit status 1 where something differs. To be run by hand: the test suite does without VTK, see tests/verification/test_output_files.py.
 In ParaView's own Python (pvpython) its Xdmf3 reader is asked too, and pyvista is not.
 """
 import argparse
@@ -25,6 +26,14 @@ try:
     READERS.append(vtkXdmf3Reader)
 except ImportError:  # only ParaView has it
     pass
+try:
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+except ImportError:  # before VTK 9.1
+    vtkHDFReader = None
+try:
+    import meshio
+except ImportError:
+    meshio = None
 try:
     import pyvista
 except ImportError:  # in ParaView's own Python
@@ -78,7 +87,7 @@ def compare_mesh(mesh, fields, cells):
         raise Difference("the cells have other corners")
     data = mesh.GetPointData()
     names = {data.GetArrayName(k) for k in range(data.GetNumberOfArrays())}
-    if names != set(fields) - {"id", "position"}:
+    if names != set(fields) - {"id"}:
         raise Difference(f"fields {sorted(names)}, not {sorted(fields)}")
     for name in names:
         if not same(vtk_to_numpy(data.GetArray(name)), fields[name]):
@@ -98,6 +107,100 @@ def compare_threshold(mesh, fields, cells):
         raise Difference(f"threshold() of {name} leaves {left.n_cells} cells, not {len(kept)}")
 
 
+def compare_warp(mesh, fields):
+    """pyvista moves points by their displacement, or by another vector."""
+    name = next((name for name in ("displacement", "displacement_increment") if name in fields), None)
+    if name is None:
+        return
+    mesh["warp"] = np.pad(fields[name], ((0, 0), (0, 3 - fields[name].shape[1])))
+    wanted = mesh.points + mesh["warp"]
+    if not np.allclose(mesh.warp_by_vector("warp").points, wanted, rtol=1e-6, atol=1e-6 * np.abs(wanted).max()):
+        raise Difference(f"warp_by_vector() of {name}")
+
+
+def check_filters(mesh, fields, cells):
+    if pyvista:
+        compare_threshold(pyvista.wrap(mesh), fields, cells)
+        compare_warp(pyvista.wrap(mesh), fields)
+
+
+def check_meshio(path, states):
+    """The states of an index in meshio: geometry of the first, fields of all; the points are the last collection."""
+    with meshio.xdmf.TimeSeriesReader(path) as reader:
+        points, cells = reader.read_points_cells()
+        meshes = [meshes[-1] for _, meshes in sorted(states.items())]
+        if not np.array_equal(points, meshes[0][0]["position"]) or not np.array_equal(cells[0].data, meshes[0][1]):
+            raise Difference("meshio: points or cells differ")
+        if reader.num_steps != len(states):
+            raise Difference(f"meshio: {reader.num_steps} states, not {len(states)}")
+        for k, (time, (fields, _)) in enumerate(zip(sorted(states), meshes)):
+            seen, data, _ = reader.read_data(k)
+            compare_meshio(f"state {k}", data, fields)
+            if seen != time:
+                raise Difference(f"meshio: time {seen}, not {time}")
+
+
+def compare_meshio(label, data, fields):
+    if set(data) != set(fields) - {"id"}:
+        raise Difference(f"meshio: {label} has {sorted(data)}, not {sorted(fields)}")
+    for name, values in data.items():
+        if not same(values, fields[name]):
+            raise Difference(f"meshio: {label}: {name} differs")
+
+
+def check_alone(path):
+    """The index of one state, PREFIX_000010.xdmf or PREFIX_grid_000010.xdmf."""
+    head, step = path.stem.rsplit("_", 1)
+    grid = head.endswith("_grid") and not path.with_name(head + ".h5").exists()
+    with h5py.File(path.with_name(head.removesuffix("_grid") + ".h5" if grid else head + ".h5")) as file:
+        group = file["grid"][step]["nodes"] if grid else file["points"][step]
+        fields = {name: data[()] for name, data in group.items()}
+        cells = file["grid"][step]["cells"]["nodes"][()] if grid else np.arange(len(fields["id"]))[:, None]
+    for reader in readers(path):
+        reader.Update()
+        (mesh,) = vtk_blocks(reader.GetOutputDataObject(0))
+        compare_mesh(mesh, fields, cells)
+        check_filters(mesh, fields, cells)
+    if meshio:
+        mesh = meshio.read(path)
+        compare_meshio("the state", mesh.point_data, fields)
+        if not np.array_equal(mesh.points, fields["position"]) or not np.array_equal(mesh.cells[0].data, cells):
+            raise Difference("meshio: points or cells differ")
+    return {0.0: [(fields, cells)]}
+
+
+def check_hdf(path):
+    """All states of the VTKHDF file, each with its fields or zeros; filters by pyvista."""
+    states = stored(path.with_suffix(".xdmf"))
+    points = {time: meshes[-1] for time, meshes in states.items()}
+    names = set().union(*(fields for fields, _ in points.values()))
+    reader = vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    if sorted(times) != sorted(points):
+        raise Difference(f"times {times}, not {sorted(points)}")
+    for time, (fields, cells) in points.items():
+        reader.UpdateTimeStep(time)
+        mesh = reader.GetOutputDataObject(0)
+        seen = {name: vtk_to_numpy(mesh.GetPointData().GetArray(name)) for name in names - {"position"}}
+        if mesh.GetNumberOfVerts() != len(cells) or not same_plain(vtk_to_numpy(mesh.GetPoints().GetData()), fields["position"]):
+            raise Difference(f"points at time {time:g}")
+        for name, values in seen.items():
+            if not (same_plain(values, fields[name]) if name in fields else not values.any()):
+                raise Difference(f"{name} at time {time:g}")
+        check_filters(mesh, fields, cells)
+    if pyvista:
+        check_filters(pyvista.read(path), *points[min(points)])  # the first state, where nobody asks for another
+    return {time: [mesh] for time, mesh in points.items()}
+
+
+def same_plain(seen, values):
+    """Symmetric tensors keep their six components there."""
+    seen, values = seen.reshape(len(seen), -1), values.reshape(len(values), -1)
+    return np.array_equal(np.pad(values, ((0, 0), (0, seen.shape[1] - values.shape[1]))), seen)
+
+
 def check_reader(reader, states):
     """Every state, read by VTK's own pipeline."""
     reader.UpdateInformation()
@@ -111,8 +214,7 @@ def check_reader(reader, states):
             raise Difference(f"{len(blocks)} meshes at time {time:g}, not {len(wanted)}")
         for mesh, (fields, cells) in zip(blocks, wanted):
             compare_mesh(mesh, fields, cells)
-            if pyvista:
-                compare_threshold(pyvista.wrap(mesh), fields, cells)
+            check_filters(mesh, fields, cells)
 
 
 def check_pyvista(path, states):
@@ -123,7 +225,7 @@ def check_pyvista(path, states):
     meshes = vtk_blocks(reader.read())
     for mesh, (fields, cells) in zip(meshes, states[max(states)], strict=True):
         compare_mesh(mesh, fields, cells)
-        compare_threshold(pyvista.wrap(mesh), fields, cells)
+        check_filters(mesh, fields, cells)
 
 
 def readers(path):
@@ -136,17 +238,23 @@ def readers(path):
 
 
 def check(path):
+    if path.suffix == ".vtkhdf":
+        return check_hdf(path)
+    if path.stem[-6:].isdigit() and not path.with_suffix(".h5").exists():
+        return check_alone(path)
     states = stored(path)
     for reader in readers(path):
         check_reader(reader, states)
     if pyvista:
         check_pyvista(path, states)
+    if meshio:
+        check_meshio(path, states)
     return states
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("index", nargs="+", type=Path, help="PREFIX.xdmf, PREFIX_grid.xdmf")
+    parser.add_argument("index", nargs="+", type=Path, help="PREFIX.xdmf, PREFIX_grid.xdmf, PREFIX_000010.xdmf, PREFIX.vtkhdf")
     failures = 0
     for path in parser.parse_args().index:
         path = path.resolve()  # Xdmf3 finds the HDF5 file only so

@@ -10,7 +10,7 @@ packages=(
   python3 python3-numpy python3-h5py python3-yaml python3-matplotlib python3-jsonschema mandoc
   python3-sphinx python3-myst-parser furo python3-pil
   dpkg-dev file lintian locales
-  python3-pandas python3-scipy python3-pip python3-venv python3-nbclient python3-ipykernel mypy
+  python3-pandas python3-scipy python3-pip python3-venv python3-nbclient python3-ipykernel python3-meshio mypy
 )
 
 if ! command -v apt-get >/dev/null; then

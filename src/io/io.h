@@ -47,8 +47,9 @@ typedef struct {
   const MpmAttribute *attributes;
   PetscInt            bytes_count;
   const MpmBytes     *bytes;
-  PetscBool           single; /* reals in single precision */
-  PetscInt64          slab;   /* most bytes a rank hands to HDF5 at once; 0: MPM_STATE_SLAB */
+  PetscBool           single;   /* reals in single precision */
+  PetscBool           vertices; /* an index shows the rows as cells: their numbers are written, too */
+  PetscInt64          slab;     /* most bytes a rank hands to HDF5 at once; 0: MPM_STATE_SLAB */
 } MpmStateFile;
 #define MPM_STATE_SLAB (1 << 30)
 
@@ -66,7 +67,7 @@ typedef struct {
   PetscInt64 rows;                    /* over all ranks */
   size_t     real_size;               /* bytes of a real */
   PetscBool *integer;                 /* of each dataset: true for integers, false for reals; to be freed */
-  char       numbers[MPM_STATE_PATH]; /* path of a dataset of the numbers of the rows, 0, 1, ... */
+  char       numbers[MPM_STATE_PATH]; /* of vertices: path of a column of the numbers of the rows, 0, 1, ... */
 } MpmStateView;
 
 /*
@@ -124,6 +125,8 @@ PetscErrorCode MpmOutputFinish(MpmOutput output);
 PetscErrorCode MpmOutputSetBehind(MpmOutput output, PetscReal behind);
 /* Reals in single precision. */
 PetscErrorCode MpmOutputSetSingle(MpmOutput output, PetscBool single);
+/* An index for each further state too, <prefix>_<step, six digits>.xdmf and <prefix>_grid_<step>.xdmf. */
+PetscErrorCode MpmOutputSetStateFiles(MpmOutput output, const char *prefix);
 /* States of at least so many bytes (default 64 MiB) are written by all ranks together, smaller ones by rank 0. */
 PetscErrorCode MpmOutputSetCollective(MpmOutput output, PetscInt64 bytes);
 /* True where the results file exists. */

@@ -18,6 +18,7 @@ struct _p_MpmOutput {
   MpmTextFile lattices;   /* and of the background grid */
   PetscBool   started;    /* the files exist */
   PetscBool   single;     /* reals in single precision */
+  char       *state_path; /* head of the names of indices of one state; NULL: there are none */
   PetscReal   behind;     /* s, how far the next state's velocities are behind its places */
   PetscInt64  collective; /* bytes from which on all ranks write */
   PetscInt64  slab;       /* most bytes that go to HDF5 at once */
@@ -70,6 +71,13 @@ PetscErrorCode MpmOutputSetSingle(MpmOutput output, PetscBool single)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmOutputSetStateFiles(MpmOutput output, const char *prefix)
+{
+  PetscFunctionBeginUser;
+  PetscCall(CreatePath(prefix, "_", &output->state_path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmOutputSetBehind(MpmOutput output, PetscReal behind)
 {
   PetscFunctionBeginUser;
@@ -87,6 +95,7 @@ PetscErrorCode MpmOutputDestroy(MpmOutput *output)
   PetscCall(PetscFree((*output)->h5_path));
   PetscCall(PetscFree((*output)->xdmf_path));
   PetscCall(PetscFree((*output)->vtk_path));
+  PetscCall(PetscFree((*output)->state_path));
   PetscCall(PetscFree(*output));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -124,8 +133,8 @@ static PetscErrorCode RemoveStale(MpmOutput output)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rows as a group of the file. */
-static PetscErrorCode WriteTable(MpmOutput output, const char *group, PetscInt step, PetscReal time,
+/* Rows as a group of the file; `vertices`: each is a cell of its own in the index. */
+static PetscErrorCode WriteTable(MpmOutput output, const char *group, PetscInt step, PetscReal time, PetscBool vertices,
                                  const MpmTable *table, MpmStateView *view)
 {
   const PetscInt64   number       = step;
@@ -138,6 +147,7 @@ static PetscErrorCode WriteTable(MpmOutput output, const char *group, PetscInt s
                               .attribute_count = output->behind > 0. ? 3 : 2,
                               .attributes      = attributes,
                               .single          = output->single,
+                              .vertices        = vertices,
                               .slab            = output->slab};
 
   PetscFunctionBeginUser;
@@ -172,6 +182,19 @@ static PetscErrorCode WriteIndices(MpmOutput output, PetscBool grid)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The index of one state, where the run has such. */
+static PetscErrorCode WriteStateFile(MpmOutput output, PetscInt step, const MpmXdmfState *state, PetscBool grid)
+{
+  char path[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBeginUser;
+  if (!output->state_path) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(
+    PetscSNPrintf(path, sizeof(path), "%s%s%06" PetscInt_FMT ".xdmf", output->state_path, grid ? "grid_" : "", step));
+  PetscCall(MpmXdmfWriteAlone(output->comm, path, state));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   The state goes into one of the two indices, on rank 0; then the files are rewritten. The points come last: some
   programs read the last collection of a file, and no other.
@@ -199,7 +222,7 @@ PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, P
   PetscFunctionBeginUser;
   PetscCall(CheckDatasets(output->comm, dataset_count, datasets, "position", 2, 3));
   PetscCall(PetscSNPrintf(group, sizeof(group), "/points/%06" PetscInt_FMT, step));
-  failure = WriteTable(output, group, step, time, &points, &view);
+  failure = WriteTable(output, group, step, time, PETSC_TRUE, &points, &view);
   if (!failure) {
     MpmXdmfState state = {.group     = group,
                           .time      = time,
@@ -208,6 +231,7 @@ PetscErrorCode MpmOutputWrite(MpmOutput output, PetscInt step, PetscReal time, P
                           .nodes     = Indexed(&view, &points)};
 
     failure = WriteIndex(output, &state, &output->grids);
+    if (!failure) failure = WriteStateFile(output, step, &state, PETSC_FALSE);
   }
   PetscCall(PetscFree(view.integer));
   PetscCall(failure);
@@ -226,8 +250,8 @@ PetscErrorCode MpmOutputWriteGrid(MpmOutput output, PetscInt step, PetscReal tim
   PetscCall(CheckDatasets(output->comm, cells->dataset_count, cells->datasets, "nodes", 4, 8));
   PetscCall(PetscSNPrintf(group, sizeof(group), "/grid/%06" PetscInt_FMT "/nodes", step));
   PetscCall(PetscSNPrintf(cell_group, sizeof(cell_group), "/grid/%06" PetscInt_FMT "/cells", step));
-  failure = WriteTable(output, group, step, time, nodes, &node_view);
-  if (!failure) failure = WriteTable(output, cell_group, step, time, cells, &cell_view);
+  failure = WriteTable(output, group, step, time, PETSC_FALSE, nodes, &node_view);
+  if (!failure) failure = WriteTable(output, cell_group, step, time, PETSC_FALSE, cells, &cell_view);
   if (!failure) {
     MpmXdmfState state = {.group      = group,
                           .cell_group = cell_group,
@@ -237,6 +261,7 @@ PetscErrorCode MpmOutputWriteGrid(MpmOutput output, PetscInt step, PetscReal tim
                           .cells      = Indexed(&cell_view, cells)};
 
     failure = WriteIndex(output, &state, &output->lattices);
+    if (!failure) failure = WriteStateFile(output, step, &state, PETSC_TRUE);
   }
   PetscCall(PetscFree(node_view.integer));
   PetscCall(PetscFree(cell_view.integer));

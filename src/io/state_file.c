@@ -377,16 +377,37 @@ static PetscBool WriteTensor(Writer *writer, const char *group, const char *name
   return worked;
 }
 
-/* One dataset out of the buffer: (points) or (points x components) numbers, in the machine's own types, so that
-   nothing is converted. */
-static PetscErrorCode WriteDataset(Writer *writer, const char *name, PetscInt components, hid_t type)
+/* The virtual dataset of one column, (points x 1), of an array of numbers; false when it failed. */
+static PetscBool WriteColumn(Writer *writer, const char *source, const char *path)
+{
+  const hsize_t rows[2] = {(hsize_t)writer->points, 1};
+  hid_t         from = H5Screate_simple(1, rows, NULL), to = H5Screate_simple(2, rows, NULL), dataset;
+  hid_t         creation = H5Pcreate(H5P_DATASET_CREATE), links = H5Pcreate(H5P_LINK_CREATE);
+  herr_t        status;
+  PetscBool     worked;
+
+  (void)H5Pset_create_intermediate_group(links, 1);
+  status  = H5Pset_virtual(creation, to, ".", source, from);
+  dataset = H5Dcreate2(writer->file, path, MpmHdf5Integer(), to, links, creation, H5P_DEFAULT);
+  worked  = Worked(writer, (PetscBool)(status >= 0 && dataset >= 0));
+  if (dataset >= 0) (void)H5Dclose(dataset);
+  (void)H5Pclose(links);
+  (void)H5Pclose(creation);
+  (void)H5Sclose(to);
+  (void)H5Sclose(from);
+  return worked;
+}
+
+/* One dataset out of the buffer: (points) or (points x components) numbers, by the number of its axes, in the machine's
+   own types, so that nothing is converted. */
+static PetscErrorCode WriteShaped(Writer *writer, const char *name, int axes, PetscInt components, hid_t type)
 {
   const hsize_t extent[2] = {(hsize_t)writer->points, (hsize_t)components};
   hid_t         space, creation, links, dataset;
 
   PetscFunctionBeginUser;
   if (!writer->writes || writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
-  space    = H5Screate_simple(components > 1 ? 2 : 1, extent, NULL);
+  space    = H5Screate_simple(axes, extent, NULL);
   creation = H5Pcreate(H5P_DATASET_CREATE);
   links    = H5Pcreate(H5P_LINK_CREATE);
   (void)H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER); /* every row is written */
@@ -401,26 +422,36 @@ static PetscErrorCode WriteDataset(Writer *writer, const char *name, PetscInt co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode WriteDataset(Writer *writer, const char *name, PetscInt components, hid_t type)
+{
+  PetscFunctionBeginUser;
+  PetscCall(WriteShaped(writer, name, components > 1 ? 2 : 1, components, type));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
-  The numbers 0, 1, ... of the rows, which a viewer takes for the corners of cells. The ids are these, until points have
-  gone; then there is one dataset for all states of as many rows.
+  The numbers 0, 1, ... of the rows in a column, which a viewer takes for the corners of cells: one dataset for all
+  states of as many rows. The ids are these numbers, until points have gone.
 */
 static PetscErrorCode WriteNumbers(Writer *writer, const char *group, char path[MPM_STATE_PATH])
 {
   PetscInt first, end;
 
   PetscFunctionBeginUser;
-  if (writer->numbered) {
-    PetscCall(PetscSNPrintf(path, MPM_STATE_PATH, "%s/id", group));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
   PetscCall(PetscSNPrintf(path, MPM_STATE_PATH, "/rows/%lld", (long long)writer->points));
   if (!writer->writes || writer->failed) PetscFunctionReturn(PETSC_SUCCESS);
   if (H5Lexists(writer->file, "/rows", H5P_DEFAULT) > 0 && H5Lexists(writer->file, path, H5P_DEFAULT) > 0)
     PetscFunctionReturn(PETSC_SUCCESS);
+  if (writer->numbered && writer->points) {
+    char ids[MPM_STATE_PATH];
+
+    PetscCall(PetscSNPrintf(ids, sizeof(ids), "%s/id", group));
+    PetscCall(Agree(writer, WriteColumn(writer, ids, path)));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscLayoutGetRange(writer->layout, &first, &end));
   for (PetscInt i = first; i < end; i++) ((PetscInt *)writer->buffer)[i - first] = i;
-  PetscCall(WriteDataset(writer, path, 1, MpmHdf5Integer()));
+  PetscCall(WriteShaped(writer, path, 2, 1, MpmHdf5Integer()));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -490,7 +521,7 @@ static PetscErrorCode WriteState(Writer *writer, const MpmStateFile *state, Pets
     if (view && MpmXdmfIsTensor(components, writer->integer[i]) && writer->writes && !writer->failed)
       PetscCall(Agree(writer, WriteTensor(writer, state->group, datasets[i].name, type)));
   }
-  if (view) PetscCall(WriteNumbers(writer, state->group, view->numbers));
+  if (view && state->vertices) PetscCall(WriteNumbers(writer, state->group, view->numbers));
   PetscCall(CloseFile(writer));
   PetscCall(ShareFailure(writer));
   (void)H5Eset_auto2(H5E_DEFAULT, report, context);

@@ -81,16 +81,15 @@ static PetscErrorCode AppendTopology(MpmTextFile *grids, const MpmXdmfState *sta
 {
   PetscFunctionBeginUser;
   if (!state->cells.dataset_count) {
-    const MpmDataset   numbers = {.name = state->numbers + 1, .components = 1};
-    const PetscBool    integer = PETSC_TRUE;
-    const MpmXdmfTable table   = {state->nodes.rows, 1, &numbers, &integer};
-    MpmXdmfState       root    = *state;
+    const long long rows = (long long)state->nodes.rows;
 
-    root.group = "";
     PetscCall(MpmTextFileAppend(
-      grids, "        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%lld\" NodesPerElement=\"1\">\n",
-      (long long)state->nodes.rows));
-    PetscCall(AppendDataItem(grids, &root, &table, 0));
+      grids, "        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%lld\" NodesPerElement=\"1\">\n", rows));
+    PetscCall(MpmTextFileAppend(
+      grids, "          <DataItem Format=\"HDF\" NumberType=\"Int\" Precision=\"%zu\" Dimensions=\"%lld 1\">",
+      sizeof(PetscInt), rows));
+    PetscCall(AppendEscaped(grids, state->file));
+    PetscCall(MpmTextFileAppend(grids, ":%s</DataItem>\n", state->numbers));
   } else {
     for (PetscInt i = 0; i < state->cells.dataset_count; i++) {
       const MpmDataset *dataset = &state->cells.datasets[i];
@@ -106,20 +105,19 @@ static PetscErrorCode AppendTopology(MpmTextFile *grids, const MpmXdmfState *sta
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmXdmfAppend(MpmTextFile *grids, const MpmXdmfState *state)
+/* The grid of a state. Positions are a field, too: some readers know one geometry for all states. */
+static PetscErrorCode AppendGrid(MpmTextFile *grids, const MpmXdmfState *state, PetscBool timed)
 {
   PetscFunctionBeginUser;
-  if (!state->nodes.rows) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmTextFileAppend(grids, "      <Grid Name=\"%s\" GridType=\"Uniform\">\n        <Time Value=\"%.17g\"/>\n",
-                              state->cells.dataset_count ? "grid" : "points", (double)state->time));
+  PetscCall(MpmTextFileAppend(grids, "      <Grid Name=\"%s\" GridType=\"Uniform\">\n",
+                              state->cells.dataset_count ? "grid" : "points"));
+  if (timed) PetscCall(MpmTextFileAppend(grids, "        <Time Value=\"%.17g\"/>\n", (double)state->time));
   PetscCall(AppendTopology(grids, state));
   for (PetscInt i = 0; i < state->nodes.dataset_count; ++i) {
     const MpmDataset *dataset = &state->nodes.datasets[i];
 
-    if (strcmp(dataset->name, "position")) {
-      PetscCall(AppendAttribute(grids, state, &state->nodes, i));
-      continue;
-    }
+    PetscCall(AppendAttribute(grids, state, &state->nodes, i));
+    if (strcmp(dataset->name, "position")) continue;
     PetscCall(
       MpmTextFileAppend(grids, "        <Geometry GeometryType=\"%s\">\n", dataset->components == 2 ? "XY" : "XYZ"));
     PetscCall(AppendDataItem(grids, state, &state->nodes, i));
@@ -132,6 +130,33 @@ PetscErrorCode MpmXdmfAppend(MpmTextFile *grids, const MpmXdmfState *state)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmXdmfAppend(MpmTextFile *grids, const MpmXdmfState *state)
+{
+  PetscFunctionBeginUser;
+  if (state->nodes.rows) PetscCall(AppendGrid(grids, state, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define HEAD "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
+#define TAIL "  </Domain>\n</Xdmf>\n"
+
+PetscErrorCode MpmXdmfWriteAlone(MPI_Comm comm, const char *path, const MpmXdmfState *state)
+{
+  MpmTextFile        text  = MPM_TEXT_FILE_EMPTY;
+  const MpmTextFile *whole = &text;
+  PetscErrorCode     written;
+
+  PetscFunctionBeginUser;
+  if (!state->nodes.rows) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmTextFileAppend(&text, HEAD));
+  PetscCall(AppendGrid(&text, state, PETSC_FALSE));
+  PetscCall(MpmTextFileAppend(&text, TAIL));
+  written = MpmTextFileWrite(comm, path, 1, &whole);
+  PetscCall(MpmTextFileDestroy(&text));
+  PetscCall(written);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmXdmfWrite(MPI_Comm comm, const char *path, PetscInt count, const char *const names[],
                             const MpmTextFile *const grids[])
 {
@@ -140,14 +165,14 @@ PetscErrorCode MpmXdmfWrite(MPI_Comm comm, const char *path, PetscInt count, con
   PetscErrorCode     written;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmTextFileAppend(&text, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"));
+  PetscCall(MpmTextFileAppend(&text, HEAD));
   for (PetscInt i = 0; i < count; i++) {
     if (!grids[i]->length) continue;
     PetscCall(MpmTextFileAppend(
       &text, "    <Grid Name=\"%s\" GridType=\"Collection\" CollectionType=\"Temporal\">\n%s    </Grid>\n", names[i],
       grids[i]->data));
   }
-  PetscCall(MpmTextFileAppend(&text, "  </Domain>\n</Xdmf>\n"));
+  PetscCall(MpmTextFileAppend(&text, TAIL));
   written = MpmTextFileWrite(comm, path, 1, &whole);
   PetscCall(MpmTextFileDestroy(&text));
   PetscCall(written);

@@ -31,13 +31,15 @@ typedef struct {
   const char  *cell_group;
   PetscReal    time;
   size_t       real_size; /* bytes of a real in the file */
-  const char  *numbers;   /* of points: the path of a dataset of the numbers of their rows, 0, 1, ... */
+  const char  *numbers;   /* of points: the path of a column of the numbers of their rows, 0, 1, ... */
   MpmXdmfTable nodes;     /* with one called position, of 2 or 3 components */
   MpmXdmfTable cells;     /* with one called nodes; no datasets: points */
 } MpmXdmfState;
 
 /* Appends the grid of one state; without points it is left out: readers open no empty mesh. Not collective. */
 PetscErrorCode MpmXdmfAppend(MpmTextFile *grids, const MpmXdmfState *state);
+/* Writes the index of one state alone, without its time, which meshio does not read in such a file. Collective. */
+PetscErrorCode MpmXdmfWriteAlone(MPI_Comm comm, const char *path, const MpmXdmfState *state);
 /* Writes the index of some collections, whose texts count on rank 0; one without text is left out. Collective. */
 PetscErrorCode MpmXdmfWrite(MPI_Comm comm, const char *path, PetscInt count, const char *const names[],
                             const MpmTextFile *const grids[]);

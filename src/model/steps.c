@@ -146,6 +146,8 @@ static PetscErrorCode OpenResults(MpmModel model)
   if (model->results->states.every) {
     PetscCall(MpmOutputCreate(model->comm, model->scene.name.prefix, &model->results->states.file));
     PetscCall(MpmOutputSetSingle(model->results->states.file, model->results->states.single));
+    if (model->results->states.alone)
+      PetscCall(MpmOutputSetStateFiles(model->results->states.file, model->scene.name.prefix));
   }
   if (model->results->states.file && model->results->checkpoint.restart)
     PetscCall(MpmRestartOutput(model, PETSC_FALSE));

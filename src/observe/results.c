@@ -48,6 +48,10 @@ PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block)
   PetscCall(MpmRowsAdd(model->state.rows, NULL, 1, &row));
   PetscCall(MpmOptionsBool(block, "grid", "write the grid too: its active nodes and cells",
                            &model->results->states.grid, NULL));
+  PetscCall(MpmOptionsBool(block, "state_files",
+                           "write an XDMF index for each state too, PREFIX_000010.xdmf, for programs that read one "
+                           "state a file",
+                           &model->results->states.alone, NULL));
   PetscCall(MpmOptionsWord(block, "precision", "of the reals that are written", words, MPM_OPTIONAL, &precision, NULL));
   model->results->states.single = (PetscBool)(precision == 1);
   PetscCall(MpmOptionsNames(block, "fields",

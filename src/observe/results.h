@@ -85,6 +85,7 @@ typedef struct {
   PetscInt        every; /* steps between them; 0: none */
   PetscInt        step;  /* of the last written state */
   PetscBool       grid, single;
+  PetscBool       alone;        /* an index for each state, too */
   PetscInt        chosen_count; /* 0: all fields */
   char          **chosen;
   PetscInt        derived_count; /* fields on request, beside the chosen ones */

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """PREFIX.vtkhdf: its arrays are those of PREFIX.h5 at every state, in 2D and 3D, with bodies that come and go, on one rank and
 several, of runs that end, go on or give up; and all that the format asks for is there. Where vtk 9.4 or later is installed
-its reader must find the states, too."""
+its reader must find the states, too. The XDMF indices of all states and of single ones open in meshio."""
 import os
 import sys
 from pathlib import Path
 
 import h5py
+import meshio
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
@@ -100,6 +101,41 @@ def check_reader(test, label, path, states):
     test.check(f"{label}.vtk_wrong", wrong, None, 0)
 
 
+def full(array):
+    """Symmetric tensors with nine components, as the XDMF index has them."""
+    return array[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]] if array.shape[1:] == (6,) else array
+
+
+def differ(data, fields):
+    """Fields of meshio's that are not the file's."""
+    return len(set(data) ^ (set(fields) - {"id"})) + sum(not np.array_equal(full(fields[name]), values)
+                                                         for name, values in data.items() if name in fields)
+
+
+def check_meshio(test, label, run):
+    """All states of an index, and the index of each; meshio writes what it has read."""
+    with h5py.File(run.prefix + ".h5") as file:
+        for suffix, groups in (("", file["points"]), ("_grid", {step: group["nodes"] for step, group in file["grid"].items()})):
+            states = {step: {name: array[:] for name, array in group.items()} for step, group in groups.items()}
+            wrong = unlike = 0
+            with meshio.xdmf.TimeSeriesReader(f"{run.prefix}{suffix}.xdmf") as reader:
+                points, cells = reader.read_points_cells()
+                wrong += not np.array_equal(points, next(iter(states.values()))["position"]) or cells[0].data.max() >= len(points)
+                wrong += reader.num_steps != len(states)
+                for k, (step, fields) in enumerate(states.items()):
+                    time, data, _ = reader.read_data(k)
+                    wrong += time != groups[step].attrs["time"] or differ(data, fields) > 0
+            for step, fields in states.items():
+                mesh = meshio.read(f"{run.prefix}{suffix}_{step}.xdmf")
+                corners = file["grid"][step]["cells"]["nodes"] if suffix else np.arange(len(fields["id"]))[:, None]
+                unlike += differ(mesh.point_data, fields) > 0 or not np.array_equal(mesh.points, fields["position"])
+                unlike += not np.array_equal(mesh.cells[0].data, corners)
+            test.check(f"{label}{suffix}.meshio_series", wrong, None, 0)
+            test.check(f"{label}{suffix}.meshio_state", unlike, None, 0)
+            mesh.write(run.folder / "again.vtk")
+            test.check(f"{label}{suffix}.meshio_again", len(meshio.read(run.folder / "again.vtk").points), len(mesh.points), len(mesh.points))
+
+
 def check(test, label, run, least):
     """The file of a run that has written so many states at least."""
     path = run.prefix + ".vtkhdf"
@@ -120,7 +156,10 @@ def main():
         for ranks in (1, 3):
             plane = test.run(example("collapse"), ranks=ranks, mpm_quiet=None)
             test.check(f"plane_on_{ranks}.share", check(test, f"plane_on_{ranks}", plane, 5), None, 0.02)
-            check(test, f"stages_on_{ranks}", test.run(dig, ranks=ranks, mpm_quiet=None, mpm_output_prefix="50%b"), 6)
+            stages = test.run(dig, ranks=ranks, mpm_quiet=None, mpm_output_prefix="50%b", mpm_output_grid="true",
+                              mpm_output_state_files="true")
+            check(test, f"stages_on_{ranks}", stages, 6)
+            check_meshio(test, f"stages_on_{ranks}", stages)
         check(test, "space", test.run(example("slump3d"), ranks=2, mpm_time_end=0.1, mpm_output_every=1,
                                       mpm_output_precision="single", mpm_quiet=None), 3)
 
@@ -134,6 +173,7 @@ def main():
 
         off = Run(test.program, dig, 1, {"mpm_output_every": 0, "mpm_quiet": None}, test.folder())
         test.check("off.files", sum(name.endswith(".vtkhdf") for name in off.files), None, 0)
+        test.check("off.state_files", sum(name[-11:-5].isdigit() for name in half.files if name.endswith(".xdmf")), None, 0)
         again = Run(test.program, dig, 1, {"mpm_output_fields": "stress", "mpm_quiet": None}, half.folder)
         check(test, "again", again, 6)
 
