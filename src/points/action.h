@@ -25,4 +25,6 @@ PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscIn
 PetscErrorCode MpmActionApplyUnit(MpmAction *action, PetscInt unit, const PetscReal du[], PetscReal y[],
                                   PetscInt *failed);
 PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed);
+/* y += J^T v of all terms: the points' kept tangents where there are some, element blocks otherwise. */
+PetscErrorCode MpmActionTranspose(MpmAction *action, const PetscReal v[], PetscReal y[], PetscInt *failed);
 PetscErrorCode MpmActionDestroy(MpmAction *action);

@@ -56,6 +56,14 @@ MPM_INLINE void Times(PetscInt n, const PetscReal A[], const PetscReal x[], Pets
   }
 }
 
+/* y = A^T x */
+MPM_INLINE void TransposeTimes(PetscInt n, const PetscReal A[], const PetscReal x[], PetscReal y[])
+{
+  for (PetscInt l = 0; l < n; l++) y[l] = 0.;
+  for (PetscInt k = 0; k < n; k++)
+    for (PetscInt l = 0; l < n; l++) y[l] += A[k * n + l] * x[k];
+}
+
 /* Keeps the tangents of one group's points. */
 MPM_INLINE PetscErrorCode StoreGroup(const MpmKnown known, MpmAction *action, const MpmGroup *group, PetscBool weights,
                                      PetscInt *failed)
@@ -145,12 +153,13 @@ static int Difference(const MpmLayout *layout, const MpmKernelPoint *point, cons
   return 0;
 }
 
-/* The action on the points of one group. */
-MPM_INLINE PetscErrorCode ApplyGroup(const MpmKnown known, MpmAction *action, const MpmGroup *group, PetscBool weights,
-                                     const PetscReal du[], PetscReal y[], PetscInt *failed)
+/* The action on the points of one group; `transposed`: from kept tangents. */
+MPM_INLINE PetscErrorCode ApplyGroup(const MpmKnown known, MpmAction *action, const MpmGroup *group,
+                                     PetscBool transposed, const PetscReal du[], PetscReal y[], PetscInt *failed)
 {
-  const MpmSum  *sum = action->sum;
-  const PetscInt N   = known.inputs;
+  const MpmSum   *sum     = action->sum;
+  const PetscInt  N       = known.inputs;
+  const PetscBool weights = MpmLayoutUsesValues(sum->layout);
 
   if (!action->tangent) MpmSumGather(known, sum, group, action->u, action->values);
   MpmSumGather(known, sum, group, du, action->dvalues);
@@ -162,7 +171,8 @@ MPM_INLINE PetscErrorCode ApplyGroup(const MpmKnown known, MpmAction *action, co
     MpmSumFetch(known, sum, s);
     MpmSumBasis(known, sum->space, p, weights, &action->basis);
     MpmSumInputs(known, sum->layout, action->dvalues, &action->basis, dinput);
-    if (action->tangent) Times(N, &action->tangent[s * N * N], dinput, dflux);
+    if (transposed) TransposeTimes(N, &action->tangent[s * N * N], dinput, dflux);
+    else if (action->tangent) Times(N, &action->tangent[s * N * N], dinput, dflux);
     else {
       MpmKernelPoint point;
       PetscReal      flux[MPM_MAX_INPUTS];
@@ -182,17 +192,31 @@ MPM_INLINE PetscErrorCode ApplyGroup(const MpmKnown known, MpmAction *action, co
 }
 
 /* The tangent of the point at place s of the order, of a cell: kept, or as far as it is there. */
-MPM_INLINE MpmTangent TangentOf(const PetscInt N, const MpmAction *action, PetscInt s)
+MPM_INLINE MpmTangent TangentOf(const PetscInt N, const MpmAction *action, PetscBool transposed, PetscInt s)
 {
-  if (action->tangent) return MpmTangentAt(N, &action->tangent[s * MpmTangentSize(action->sum->layout)]);
-  return action->cell.point[s - action->cell.begin].tangent;
+  MpmTangent tangent = action->tangent ? MpmTangentAt(N, &action->tangent[s * MpmTangentSize(action->sum->layout)])
+                                       : action->cell.point[s - action->cell.begin].tangent;
+  PetscReal *by_mean = tangent.by_mean;
+
+  if (!transposed) return tangent;
+  tangent.by_mean = tangent.of_mean;
+  tangent.of_mean = by_mean;
+  return tangent;
 }
 
-/* The change of a cell point's fluxes, that of the mean's flux f last, without the latter's effect on the others. */
-MPM_INLINE void ChangeByTangent(const PetscInt N, const MpmTangent *tangent, const PetscReal dinput[],
-                                PetscReal dflux[])
+/*
+  The change of a cell point's fluxes, that of the mean's flux f last, without the latter's effect on the others. With
+
+    J = sum A + b M^T + M o^T + sigma M M^T ,
+
+  b the fluxes' derivatives by the mean, o those of its flux by the inputs and M those of the mean, the transposed
+  action exchanges b and o.
+*/
+MPM_INLINE void ChangeByTangent(const PetscInt N, PetscBool transposed, const MpmTangent *tangent,
+                                const PetscReal dinput[], PetscReal dflux[])
 {
-  Times(N, tangent->by_input, dinput, dflux);
+  if (transposed) TransposeTimes(N, tangent->by_input, dinput, dflux);
+  else Times(N, tangent->by_input, dinput, dflux);
   dflux[N] = tangent->second[0] * dinput[N];
   for (PetscInt k = 0; k < N; k++) dflux[k] += tangent->by_mean[k] * dinput[N];
   for (PetscInt k = 0; k < N; k++) dflux[N] += tangent->of_mean[k] * dinput[k];
@@ -214,7 +238,8 @@ static int ChangeByKernel(const MpmAction *action, PetscReal f, const MpmCellPoi
 
 /* The change of a cell's mean from that of its points' inputs, of all fluxes, and the effect of the mean's flux on
    them. */
-MPM_INLINE PetscErrorCode ChangeCell(const PetscInt N, const MpmAction *action, PetscInt c, PetscInt *failed)
+MPM_INLINE PetscErrorCode ChangeCell(const PetscInt N, const MpmAction *action, PetscInt c, PetscBool transposed,
+                                     PetscInt *failed)
 {
   const MpmCellWork *work  = &action->cell;
   const PetscInt    *order = action->sum->space->order;
@@ -223,16 +248,16 @@ MPM_INLINE PetscErrorCode ChangeCell(const PetscInt N, const MpmAction *action, 
   PetscReal          dmean = 0., dmean_flux = 0.;
 
   for (PetscInt s = begin; s < end; s++) {
-    const MpmTangent tangent = TangentOf(N, action, s);
+    const MpmTangent tangent = TangentOf(N, action, transposed, s);
 
     for (PetscInt k = 0; k < N; k++) dmean += tangent.dm[k] * work->point[s - begin].dinput[k];
   }
   for (PetscInt s = begin; s < end; s++) {
-    const MpmTangent    tangent = TangentOf(N, action, s);
+    const MpmTangent    tangent = TangentOf(N, action, transposed, s);
     const MpmCellPoint *at      = &work->point[s - begin];
 
     at->dinput[N] = dmean;
-    if (action->tangent) ChangeByTangent(N, &tangent, at->dinput, at->flux);
+    if (action->tangent) ChangeByTangent(N, transposed, &tangent, at->dinput, at->flux);
     else if (ChangeByKernel(action, action->mean_flux[c] * share[order[s]], at)) {
       (*failed)++;
       for (PetscInt k = 0; k <= N; k++) at->flux[k] = 0.;
@@ -240,7 +265,7 @@ MPM_INLINE PetscErrorCode ChangeCell(const PetscInt N, const MpmAction *action, 
     dmean_flux += at->flux[N];
   }
   for (PetscInt s = begin; s < end; s++) {
-    const MpmTangent tangent = TangentOf(N, action, s);
+    const MpmTangent tangent = TangentOf(N, action, transposed, s);
 
     for (PetscInt k = 0; k < N; k++) work->point[s - begin].flux[k] += dmean_flux * tangent.dm[k];
   }
@@ -248,7 +273,8 @@ MPM_INLINE PetscErrorCode ChangeCell(const PetscInt N, const MpmAction *action, 
 }
 
 /* The action on the points of one cell. */
-static PetscErrorCode ApplyCell(MpmAction *action, PetscInt c, const PetscReal du[], PetscReal y[], PetscInt *failed)
+static PetscErrorCode ApplyCell(MpmAction *action, PetscInt c, PetscBool transposed, const PetscReal du[],
+                                PetscReal y[], PetscInt *failed)
 {
   const MpmSum  *sum  = action->sum;
   const MpmCell *cell = &sum->space->cells.at[c];
@@ -256,22 +282,28 @@ static PetscErrorCode ApplyCell(MpmAction *action, PetscInt c, const PetscReal d
   PetscFunctionBeginUser;
   PetscCall(MpmCellInputs(sum, cell, action->tangent ? NULL : action->u, du, &action->cell));
   if (!action->tangent) PetscCall(MpmCellMean(sum, cell, PETSC_TRUE, &action->cell, failed));
-  MPM_DISPATCH_INPUTS(sum->layout, ChangeCell, action, c, failed);
+  MPM_DISPATCH_INPUTS(sum->layout, ChangeCell, action, c, transposed, failed);
   PetscCall(MpmCellScatter(sum, cell, &action->cell, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The action, or its transpose, on one unit of the points. */
+static PetscErrorCode ActUnit(MpmAction *action, PetscInt unit, PetscBool transposed, const PetscReal du[],
+                              PetscReal y[], PetscInt *failed)
+{
+  const MpmSum   *sum   = action->sum;
+  const MpmGroup *group = &sum->space->groups[unit];
+
+  PetscFunctionBeginUser;
+  if (sum->layout->means) PetscCall(ApplyCell(action, unit, transposed, du, y, failed));
+  else MPM_DISPATCH(sum->layout, group, ApplyGroup, action, group, transposed, du, y, failed);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmActionApplyUnit(MpmAction *action, PetscInt unit, const PetscReal du[], PetscReal y[],
                                   PetscInt *failed)
 {
-  const MpmSum   *sum     = action->sum;
-  const PetscBool weights = MpmLayoutUsesValues(sum->layout);
-  const MpmGroup *group   = &sum->space->groups[unit];
-
-  PetscFunctionBeginUser;
-  if (sum->layout->means) PetscCall(ApplyCell(action, unit, du, y, failed));
-  else MPM_DISPATCH(sum->layout, group, ApplyGroup, action, group, weights, du, y, failed);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return ActUnit(action, unit, PETSC_FALSE, du, y, failed);
 }
 
 PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed)
@@ -279,8 +311,22 @@ PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal
   PetscFunctionBeginUser;
   *failed = 0;
   for (PetscInt unit = 0; unit < MpmUnitCount(action->sum); unit++)
-    PetscCall(MpmActionApplyUnit(action, unit, du, y, failed));
+    PetscCall(ActUnit(action, unit, PETSC_FALSE, du, y, failed));
   for (PetscInt k = 0; k < action->terms->count; k++)
     if (!action->terms->term[k]->points) PetscCall(MpmTermsApplyOne(action->terms, k, action->sum, action->u, du, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmActionTranspose(MpmAction *action, const PetscReal v[], PetscReal y[], PetscInt *failed)
+{
+  const MpmTerms *terms = action->terms;
+
+  PetscFunctionBeginUser;
+  *failed = 0;
+  for (PetscInt unit = 0; action->tangent && unit < MpmUnitCount(action->sum); unit++)
+    PetscCall(ActUnit(action, unit, PETSC_TRUE, v, y, failed));
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (!terms->term[k]->points || !action->tangent)
+      PetscCall(MpmTermsTransposeOne(terms, k, action->sum, action->u, v, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

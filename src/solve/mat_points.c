@@ -34,7 +34,8 @@ static PetscErrorCode Gather(const Matfree *free, Vec x, PetscReal local[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
+/* y = J x, or J^T x. */
+static PetscErrorCode Multiply(Mat J, PetscBool transposed, Vec x, Vec y)
 {
   Matfree           *free;
   const PetscScalar *from;
@@ -48,7 +49,7 @@ static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
 
   PetscCall(Gather(free, x, free->du));
   PetscCall(PetscArrayzero(free->y, solver->disc->space->local * bs));
-  PetscCall(MpmActionApply(&free->action, free->du, free->y, &failed));
+  PetscCall((transposed ? MpmActionTranspose : MpmActionApply)(&free->action, free->du, free->y, &failed));
   MpmConstraintsGather(solver->disc->constraints, solver->disc->space, free->y);
   PetscCall(MpmSpaceAddToOwners(solver->disc->space, bs, free->y));
   MpmFramesToUnknowns(solver->disc->constraints, bs, solver->disc->space->owned, free->y);
@@ -60,6 +61,16 @@ static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
   PetscCall(VecRestoreArrayWrite(y, &to));
   PetscCall(VecRestoreArrayRead(x, &from));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode MatMult_Matfree(Mat J, Vec x, Vec y)
+{
+  return Multiply(J, PETSC_FALSE, x, y);
+}
+
+static PetscErrorCode MatMultTranspose_Matfree(Mat J, Vec x, Vec y)
+{
+  return Multiply(J, PETSC_TRUE, x, y);
 }
 
 /*
@@ -200,8 +211,8 @@ PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J)
                            solver->disc->space->number.count * bs, free, J));
   PetscCall(MatSetBlockSize(*J, bs));
   PetscCall(MatShellSetOperation(*J, MATOP_MULT, (MpmFunction)MatMult_Matfree));
-  if (solver->definite.symmetric)
-    PetscCall(MatShellSetOperation(*J, MATOP_MULT_TRANSPOSE, (MpmFunction)MatMult_Matfree));
+  PetscCall(MatShellSetOperation(
+    *J, MATOP_MULT_TRANSPOSE, (MpmFunction)(solver->definite.symmetric ? MatMult_Matfree : MatMultTranspose_Matfree)));
   PetscCall(MatShellSetOperation(*J, MATOP_GET_DIAGONAL, (MpmFunction)MatGetDiagonal_Matfree));
   PetscCall(MatShellSetOperation(*J, MATOP_INVERT_BLOCK_DIAGONAL, (MpmFunction)MatInvertBlockDiagonal_Matfree));
   PetscCall(MatShellSetOperation(*J, MATOP_DESTROY, (MpmFunction)MatDestroy_Matfree));

@@ -183,7 +183,7 @@ typedef struct {
   PetscReal norm;                /* of the local Jacobian */
   PetscReal coloring, dense, fd; /* distance from the local one, relative */
   PetscReal petsc;               /* of PETSc's own colouring and differences */
-  PetscReal action[2];           /* of actions on a vector, with tangents kept and without */
+  PetscReal action[2];           /* of actions on a vector and transposed ones, with tangents kept and without */
   PetscReal diagonal, blocks; /* of the diagonal without a matrix, and of inverted blocks times blocks from identity */
   PetscReal asymmetry;
   PetscReal slope;     /* least order of the Taylor remainder */
@@ -228,13 +228,13 @@ static inline PetscErrorCode SceneTaylor(MpmModel model, Mat J, Vec x, Vec v, Sc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* J v without a matrix against the local Jacobian's product. */
+/* J v and J^T v without a matrix against the local Jacobian's products. */
 static inline PetscErrorCode SceneAction(MpmModel model, Mat local, Vec x, Vec v, PetscBool stored,
                                          PetscReal *difference)
 {
   Mat       J;
   Vec       y, z;
-  PetscReal norm;
+  PetscReal norm, transposed;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMatfreeCreate(&model->solver, stored, &J));
@@ -247,6 +247,12 @@ static inline PetscErrorCode SceneAction(MpmModel model, Mat local, Vec x, Vec v
   PetscCall(VecAXPY(y, -1., z));
   PetscCall(VecNorm(y, NORM_2, difference));
   *difference /= norm;
+  PetscCall(MatMultTranspose(J, v, y));
+  PetscCall(MatMultTranspose(local, v, z));
+  PetscCall(VecNorm(z, NORM_2, &norm));
+  PetscCall(VecAXPY(y, -1., z));
+  PetscCall(VecNorm(y, NORM_2, &transposed));
+  *difference = PetscMax(*difference, transposed / norm);
   PetscCall(VecDestroy(&y));
   PetscCall(VecDestroy(&z));
   PetscCall(MatDestroy(&J));

@@ -1,7 +1,7 @@
 /*
   Every term of the residual by itself, against the matrix of its own element blocks: its action, its transposed action
   and its diagonal; and the gradient of a quadratic term's energy against its residual. The scenes together have all
-  terms.
+  terms. The action of all terms together, and its transpose, are those of the whole Jacobian's matrix.
 
   Ranks: 1 2 3
 */
@@ -268,6 +268,29 @@ static PetscErrorCode Look(MpmModel model, PetscInt k, PetscInt scene, PetscBool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The whole Jacobian's action and transposed action against its matrix, constraints and units included. */
+static PetscErrorCode LookWhole(MpmModel model, PetscInt scene)
+{
+  const PetscReal amplitude[] = {1., 1., 1., 1., 1., 1.};
+  PetscReal       off;
+  Mat             local;
+  Vec             v;
+
+  PetscFunctionBeginUser;
+  model->solver.preset.factorises = PETSC_FALSE; /* no raised diagonals */
+  PetscCall(SceneJacobian(model, MPM_JACOBIAN_LOCAL, model->solver.x, &local));
+  PetscCall(VecDuplicate(model->solver.x, &v));
+  PetscCall(SceneFill(model, 6, amplitude, PETSC_TRUE, v));
+  for (PetscInt stored = 0; stored < 2; stored++) {
+    PetscCall(SceneAction(model, local, model->solver.x, v, (PetscBool)stored, &off));
+    ck_assert_msg(SceneAll((PetscBool)(off <= 1e-13)), "scene %d: the Jacobian's action %s tangents is off by %g",
+                  (int)scene, stored ? "with" : "without", (double)off);
+  }
+  PetscCall(VecDestroy(&v));
+  PetscCall(MatDestroy(&local));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 START_TEST(forms)
 {
   PetscBool seen[TERMS] = {PETSC_FALSE};
@@ -284,6 +307,7 @@ START_TEST(forms)
       for (size_t t = 0; t < TERMS; t++)
         if (all[t] == model->disc.terms->term[k]) seen[t] = (PetscBool)(seen[t] || acts);
     }
+    SCENE_CALL(LookWhole(model, (PetscInt)s));
     SCENE_CALL(SceneDestroy(&model));
   }
   for (size_t t = 0; t < TERMS; t++) ck_assert_msg(seen[t], "%s acts in no scene", all[t]->name);
