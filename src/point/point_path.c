@@ -74,10 +74,6 @@ static PetscErrorCode TakeTime(const MpmCsvTable *table, MpmPointPath *path, cha
   const PetscInt column = MpmCsvTableFind(table, "time");
 
   PetscFunctionBeginUser;
-  if (column < 0) {
-    PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no column time"));
-    PetscCall(MpmCsvTableNames(table, message));
-  }
   for (PetscInt64 r = 0; r < table->rows && !message[0]; r++) {
     path->time[r] = table->value[r * table->columns + column];
     if (PetscIsInfOrNanReal(path->time[r]))
@@ -91,10 +87,14 @@ static PetscErrorCode TakeTime(const MpmCsvTable *table, MpmPointPath *path, cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A slip in a column's name would leave its component at zero. */
+/* There are times; a slip in a column's name would leave its component at zero. */
 static PetscErrorCode CheckNames(const MpmCsvTable *table, char message[MPM_CSV_MESSAGE])
 {
   PetscFunctionBeginUser;
+  if (MpmCsvTableFind(table, "time") < 0) {
+    PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no column time"));
+    PetscCall(MpmCsvTableNames(table, message));
+  }
   for (PetscInt c = 0; c < table->columns && !message[0]; c++) {
     const char *name  = table->name[c];
     PetscBool   known = (PetscBool)!strcasecmp(name, "time");
