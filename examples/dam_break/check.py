@@ -54,12 +54,13 @@ def check(results):
 def draw(results):
     """Four states, and the front."""
     import matplotlib.pyplot as plt
+    from pictures.plane import draw_body
 
     figure, axes = plt.subplots(3, 2, figsize=(9.0, 8.0), layout="constrained")
     for axis, part in zip(axes.flat, (0.0, 0.25, 0.5, 0.7, 1.0)):
         state = results.state(results.steps[int(part * (len(results.steps) - 1))])
         speed = np.linalg.norm(state["velocity"], axis=1)
-        dots = axis.scatter(*state["position"].T, c=speed, s=1.5, linewidths=0.0, vmin=0.0, vmax=7.0)
+        dots = draw_body(axis, results, state, speed, ("viridis", 0.0, 7.0))
         axis.set(title=f"{state.time:.2f} s", aspect="equal", xlim=(0, 5), ylim=(0, 2.1))
     figure.colorbar(dots, ax=axes[:2], label="speed (m/s)")
     time, place = front(results)

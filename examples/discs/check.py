@@ -49,13 +49,14 @@ def check(results):
 
 def draw(results):
     import matplotlib.pyplot as plt
+    from pictures.plane import draw_body
 
     figure, axes = plt.subplots(2, 2, figsize=(9, 5.5), constrained_layout=True)
     steps = list(results.steps)
     for axis, step in zip(axes.flat[:3], (steps[0], steps[len(steps) // 2], steps[-1])):
         state = results.state(step)
         speed = np.hypot(*state["velocity"].T)
-        dots = axis.scatter(*state["position"].T, c=speed, s=3, cmap="viridis", vmin=0, vmax=0.6)
+        dots = draw_body(axis, results, state, speed, ("viridis", 0.0, 0.6))
         axis.set(title=f"t = {state.time:.2f} s", aspect="equal", xlim=(0, 4), ylim=(0, 2))
     figure.colorbar(dots, ax=axes.flat[2], label="speed (m/s)")
     history = results.history

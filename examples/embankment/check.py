@@ -60,14 +60,14 @@ def check(results):
 
 def draw(results):
     import matplotlib.pyplot as plt
+    from pictures.plane import draw_body
 
     ground = Ground(results)
     figure, axes = plt.subplots(2, 2, figsize=(12.0, 6.4), layout="constrained")
     states = [results.state(step) for step in results.steps[1:]]
     fullest = max(states, key=lambda state: np.max(ground.excess(state)[clay(results, state)]))
     for panel, state in zip(axes[:, 0], (fullest, states[-1])):
-        place = state["position"]
-        points = panel.scatter(place[:, 0], place[:, 1], c=np.where(clay(results, state), ground.excess(state), 0.0) / 1e3, s=5, cmap="viridis")
+        points = draw_body(panel, results, state, np.where(clay(results, state), ground.excess(state), 0.0) / 1e3)
         figure.colorbar(points, ax=panel, label="excess pressure (kPa)")
         panel.set(aspect="equal", xlabel="x (m)", ylabel="y (m)", title=f"after {state.time / 86400.0:.0f} days")
     days = results.column("time") / 86400.0

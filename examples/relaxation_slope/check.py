@@ -63,10 +63,11 @@ def check(results):
 def draw(results):
     """The slope at the end, and the criteria over time."""
     import matplotlib.pyplot as plt
+    from pictures.plane import draw_body
 
     figure, (above, below) = plt.subplots(2, 1, figsize=(9.0, 6.0), layout="constrained")
     state = results.state("last")
-    dots = above.scatter(*state["position"].T, c=np.linalg.norm(state["displacement"], axis=1), s=0.8, marker="s", linewidths=0.0)
+    dots = draw_body(above, results, state, np.linalg.norm(state["displacement"], axis=1))
     above.plot([0, 60, 60 + HEIGHT * np.sqrt(3)], [HEIGHT, HEIGHT, 0], color="k", linewidth=0.8, label="before")
     above.plot([CREST, TOE], [HEIGHT, 0], color="r", linewidth=0.8, linestyle="--", label="20 degrees, same area")
     figure.colorbar(dots, ax=above, label="displacement (m)")

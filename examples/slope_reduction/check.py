@@ -45,6 +45,7 @@ def check(results):
 def draw(results):
     """How far points move as strength goes, and the slope at the end."""
     import matplotlib.pyplot as plt
+    from pictures.plane import draw_body
 
     figure, (above, below) = plt.subplots(2, 1, figsize=(9.0, 7.6), layout="constrained", height_ratios=(2, 3))
     rows = results.column("stage") == 2
@@ -57,7 +58,7 @@ def draw(results):
     above.set(xlabel="F", ylabel="displacement (m)")
     above.legend()
     state = results.state("last")
-    dots = below.scatter(*state["position"].T, c=np.linalg.norm(state["displacement"], axis=1), s=3.0, marker="s", linewidths=0.0)
+    dots = draw_body(below, results, state, np.linalg.norm(state["displacement"], axis=1))
     figure.colorbar(dots, ax=below, label="displacement (m)")
     below.set(title=f"F = {results.column('reduction')[-1]:.2f}", aspect="equal", xlabel="x (m)", ylabel="y (m)")
     return figure

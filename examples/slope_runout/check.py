@@ -34,10 +34,11 @@ def check(results):
 def draw(results):
     """The slope at the end, where its points come from, and its slide in time."""
     import matplotlib.pyplot as plt
+    from pictures.plane import draw_body
 
     figure, (above, below) = plt.subplots(2, 1, figsize=(9.0, 6.0), layout="constrained", height_ratios=(1, 1.2))
     state = results.state("last")
-    dots = above.scatter(*state["position"].T, c=np.linalg.norm(state["displacement"], axis=1), s=5.0, marker="s", linewidths=0.0)
+    dots = draw_body(above, results, state, np.linalg.norm(state["displacement"], axis=1))
     above.plot([0, 17, 37, 60], [15, 15, 5, 5], color="k", linewidth=0.8)
     figure.colorbar(dots, ax=above, label="displacement (m)", shrink=0.8)
     above.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")

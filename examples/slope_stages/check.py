@@ -61,12 +61,13 @@ def check(results):
 def draw(results):
     """Where the ground moves, in the last two stages."""
     import matplotlib.pyplot as plt
+    from pictures.plane import draw_body
 
     figure, panels = plt.subplots(2, 1, figsize=(9.0, 8.4), layout="constrained")
     for axes, stage, title in zip(panels, (DIG, LOAD), ("after the trench", "after the load on the crest")):
         state = results.state(int(results.column("step")[last_row(results, stage)]))
         size = 1e3 * np.linalg.norm(state["displacement"], axis=1)
-        dots = axes.scatter(*state["position"].T, c=size, s=5.0, marker="s", linewidths=0.0)
+        dots = draw_body(axes, results, state, size)
         figure.colorbar(dots, ax=axes, label="displacement (mm)")
         axes.set(title=title, aspect="equal", xlabel="x (m)", ylabel="y (m)")
     return figure

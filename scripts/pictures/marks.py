@@ -8,10 +8,11 @@ from .domains import outline
 
 SIZE = 0.022  # of the frame's larger extent: a symbol
 ARROW = 0.075  # of it: an arrow
-TEXT = 0.05  # of it: a line of text
+TEXT, LETTER = 0.05, 0.018  # of it: a line of text, and the width of a letter
 REACH = 0.75  # of a domain: a line of nodes is at the material's edge
 ARROWS = 9  # at most, along one surface
 CLOSE = 0.1  # of it: names would overlap
+RIGHT = 0.85  # of its width: names further right stand on the left of their place
 NAMED_BODIES = 14  # more of them have no names in the picture
 SIDES = {"-x": (0, -1), "+x": (0, 1), "-y": (1, -1), "+y": (1, 1)}
 
@@ -45,7 +46,7 @@ def condition_line(look, scene, name):
     cell = (scene.vector("grid_upper") - scene.vector("grid_lower")) / scene.vector("grid_cells")
     thin = [axis for axis in range(2) if high[axis] - low[axis] < 0.5 * cell[axis]]
     if len(thin) != 1:
-        return None
+        return edge_within(look, low, high, cell)
     axis, along = thin[0], 1 - thin[0]
     place = 0.5 * (low[axis] + high[axis])
     corners = look.domains.corners.reshape(-1, 2)
@@ -54,6 +55,18 @@ def condition_line(look, scene, name):
     if not near.any():
         return None
     return axis, place, max(corners[near, along].min(), low[along]), min(corners[near, along].max(), high[along])
+
+
+def edge_within(look, low, high, cell):
+    """The material's edge in a box that reaches beyond it, as condition_line() says it; None where more than an edge is in it."""
+    reach = 1e-3 * look.origin.lengths.min()
+    first = look.domains.start.reshape(-1, 2)
+    inside = np.all((first >= low - reach) & (first <= high + reach), axis=1)
+    flat = [axis for axis in range(2) if inside.any() and np.ptp(first[inside, axis]) < 0.5 * cell[axis]]
+    if len(flat) != 1:
+        return None
+    axis, now = flat[0], look.domains.corners.reshape(-1, 2)[inside]
+    return axis, now[:, axis].mean(), now[:, 1 - axis].min(), now[:, 1 - axis].max()
 
 
 def draw_conditions(axes, look, scene, stage, time):
@@ -230,23 +243,38 @@ def draw_surfaces(axes, look, scene, stage, time):
 
 # ---- boundaries, water, tracks ----
 
+def draw_plane_boundary(axes, look, scene, name, line):
+    """A plane as a line, with ticks on the side without material, and its name."""
+    extent = unit_of(look)
+    normal = scene.vector(f"boundary_{name}_normal")
+    normal, along = normal / np.linalg.norm(normal), (line[1] - line[0]) / np.linalg.norm(line[1] - line[0])
+    steps = np.arange(0.0, np.linalg.norm(line[1] - line[0]), 1.6 * SIZE * extent)[:, None]
+    start = line[0] + steps * along
+    seen = start[np.all((start > look.frame[0]) & (start < look.frame[1]), axis=1)]
+    ticks = np.stack([seen, seen - SIZE * extent * (0.7 * normal + 0.7 * along)], axis=1)
+    axes.add_collection(LineCollection(np.concatenate([line[None], ticks]), colors=style.RIGID, linewidths=0.8, zorder=4), autolim=False)
+    if len(seen):
+        style.name(axes, *(seen[len(seen) // 2] - 2.0 * SIZE * extent * normal), name)
+
+
 def draw_boundaries(axes, look, scene, time, step=None):
-    """Rigid bodies grey, planes as lines with the side without material hatched."""
+    """Rigid bodies in grey, planes as lines."""
     extent = unit_of(look)
     for name in scene.list("boundaries"):
-        found = scene.boundary_outline(name, time or 0.0, 2.0 * extent, step)
+        kind, found = scene.get(f"boundary_{name}_type"), scene.boundary_outline(name, time or 0.0, 2.0 * extent, step)
         if found is None:
             continue
         corners, closed = found
-        inside = scene.get(f"boundary_{name}_side", "outside") == "inside"
-        solid = scene.get(f"boundary_{name}_type") == "cone" or (closed and not inside)
-        axes.add_patch(Polygon(corners, closed=solid or closed, facecolor="0.82" if solid else "none", edgecolor=style.RIGID,
-                               linewidth=1.0, zorder=4 if not solid else 3.5, clip_on=True))
-        if solid:
-            inner = corners[np.all((corners >= look.frame[0]) & (corners <= look.frame[1]), axis=1)]
+        if kind == "plane":
+            draw_plane_boundary(axes, look, scene, name, corners)
+            continue
+        solid = kind == "cone" or (closed and scene.get(f"boundary_{name}_side", "outside") == "outside")
+        axes.add_patch(Polygon(corners, closed=solid or closed, facecolor="0.82" if solid else "none", edgecolor=style.RIGID, linewidth=1.0,
+                               zorder=3.5 if solid else 4, clip_on=True))
+        seen = np.all((corners >= look.frame[0]) & (corners <= look.frame[1]), axis=1)
+        if solid and seen.any():
             place = np.clip(corners.mean(axis=0), look.frame[0] + 0.04 * extent, look.frame[1] - 0.04 * extent)
-            if len(inner):
-                style.name(axes, *place, name)
+            style.name(axes, *place, name)
 
 
 def draw_water(axes, look, scene, time):
@@ -269,16 +297,17 @@ def draw_tracks(axes, look, scene):
         away = np.linalg.norm(look.origin.position - scene.vector(f"track_{name}_at"), axis=1)
         place = look.state["position"][np.argsort(away, kind="stable")[: int(scene.get(f"track_{name}_nearest", "1"))]].mean(axis=0)
         axes.plot(*place, marker="o", markersize=3.5, markerfacecolor="white", markeredgecolor=style.INK, zorder=7, scalex=False, scaley=False)
-        side = -1.0 if any(np.linalg.norm(place - other) < CLOSE * extent for other in before) else 1.0
+        crowded = place[0] > look.frame[0][0] + RIGHT * (look.frame[1] - look.frame[0])[0]
+        side = -1.0 if crowded or any(np.linalg.norm(place - other) < CLOSE * extent for other in before) else 1.0
         before.append(place)
         style.name(axes, place[0] + side * 0.012 * extent, place[1] + 0.012 * extent, name, ha="left" if side > 0.0 else "right", va="bottom")
 
 
 class Reach:
-    """Takes the place of axes, and keeps how far arrows reach."""
+    """Takes the place of axes, and keeps how far arrows and texts reach."""
 
-    def __init__(self):
-        self.places = []
+    def __init__(self, extent):
+        self.places, self.extent = [], extent
 
     def annotate(self, _text, tip, tail, **_options):
         self.places += [tip, tail]
@@ -286,13 +315,16 @@ class Reach:
     def add_collection(self, collection, autolim=True):
         """Symbols of conditions lie within the margin."""
 
-    def text(self, *values, **options):
-        """Texts have a margin of their own."""
+    def text(self, x, y, words, **_options):
+        """A text in the middle of its place, beside the margin that all have."""
+        half = max(0.5 * LETTER * len(words) - TEXT, 0.0) * self.extent
+        self.places += [np.array([x - half, y]), np.array([x + half, y])]
 
 
 def widen(look, scene, time, stage):
     """The look with a frame that holds all arrows and their texts."""
-    reach, extent = Reach(), unit_of(look)
+    extent = unit_of(look)
+    reach = Reach(extent)
     draw_conditions(reach, look, scene, stage, time)
     draw_surfaces(reach, look, scene, stage, time)
     draw_loads(reach, look, scene, stage, time)

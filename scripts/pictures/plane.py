@@ -13,6 +13,8 @@ from results import ResultsError
 
 from . import style
 from .domains import Region, first_domains, frame_of, moved_domains, outline
+from .fields import Scale, colour_scale
+from .scene import Scene
 
 MARGIN = 0.06  # of the larger extent, around the material
 ARROWS = 16  # along the longer side
@@ -103,17 +105,20 @@ def set_frame(axes, frame, axial=False):
         axis.get_major_locator().set_params(nbins=2 if share < 0.25 else 4 if share < 0.5 else 7)
 
 
-def draw_plane(figure, results, state, values, scale, deformed=True, frame=None):
-    """Axes with the material coloured by `values`, `scale` is (colour map, low, high); axes and collection."""
-    from .fields import Scale
-    from .scene import Scene
-
-    axes, scene = figure.add_subplot(), Scene(results)
+def draw_body(axes, results, state, values, scale=None, deformed=True):
+    """The material in given axes, coloured by `values`; `scale`: (colour map, low, high). The collection, for a colour bar."""
+    scene = Scene(results)
     look = look_at(results, scene, state, deformed)
-    filled = paint(axes, look, values, Scale(*scale))
-    draw_outlines(axes, look)
-    set_frame(axes, frame or look.frame, scene.axial)
-    return axes, filled
+    filled = paint(axes, look, values, Scale(*scale) if scale else colour_scale(np.asarray(values)))
+    draw_outlines(axes, look, deformed)
+    set_frame(axes, look.frame, scene.axial)
+    return filled
+
+
+def draw_plane(figure, results, state, values, scale=None, deformed=True):
+    """New axes with the material, see draw_body(); axes and collection."""
+    axes = figure.add_subplot()
+    return axes, draw_body(axes, results, state, values, scale, deformed)
 
 
 def draw_groups(axes, look, numbers, labels):
