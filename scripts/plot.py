@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Pictures of the results of a run: `talus plot PREFIX`, `talus view PREFIX`; `--help` lists what can be drawn."""
+
 import os
 import sys
 

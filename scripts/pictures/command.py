@@ -1,4 +1,5 @@
 """The command line of pictures: `talus plot`, `talus view`, `talus check --picture`, or scripts/plot.py."""
+
 import argparse
 import os
 import sys
@@ -21,8 +22,8 @@ from .lines import plot_line  # noqa: E402
 from .scene import Scene  # noqa: E402
 from .states import plot_multiples, plot_state  # noqa: E402
 
-DESCRIPTION = """Draws the results of a run: the material coloured by a field, as a picture, several or a film, curves of the history,
-forces along a row of cuts, stress along a line, or a laboratory test."""
+DESCRIPTION = """Draws the results of a run: the material coloured by a field, as a picture, several or a film, curves of the
+history, forces along a row of cuts, stress along a line, or a laboratory test."""
 EXAMPLES = """examples:
   talus plot out/cantilever                                            displacement at the last written step
   talus plot out/cantilever --field stress --component xx --output stress.png
@@ -42,39 +43,68 @@ def add_field(parser):
     parser.add_argument("--field", default="displacement", help="what the material is coloured by (displacement)")
     parser.add_argument("--component", help="xx, yy, zz, xy, yz, xz of a tensor; x, y, z of a vector")
     parser.add_argument("--step", default="last", help="first, last, or the number of a written step (last)")
-    parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"), help="ends of the colour bar, in its unit (the extremes)")
+    parser.add_argument(
+        "--limits",
+        nargs=2,
+        type=float,
+        metavar=("LOW", "HIGH"),
+        help="ends of the colour bar, in its unit (the extremes)",
+    )
     parser.add_argument("--colours", metavar="MAP", help="a colour map of matplotlib (viridis, or RdBu_r about zero)")
 
 
 def plot_parser(program):
-    parser = argparse.ArgumentParser(prog=program, description=DESCRIPTION, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        prog=program, description=DESCRIPTION, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     add_field(parser)
-    parser.add_argument("--scale", type=float, default=1.0, metavar="FACTOR", help="displacements are drawn so many times larger (1)")
+    parser.add_argument(
+        "--scale", type=float, default=1.0, metavar="FACTOR", help="displacements are drawn so many times larger (1)"
+    )
     parser.add_argument("--initial", action="store_true", help="draw the material where it was at first")
     parser.add_argument("--deformed", action="store_true", help="draw it where it is at that step (the default)")
-    parser.add_argument("--arrows", nargs="?", const="displacement", metavar="FIELD", help="arrows of a vector field (displacement)")
+    parser.add_argument(
+        "--arrows", nargs="?", const="displacement", metavar="FIELD", help="arrows of a vector field (displacement)"
+    )
     parser.add_argument("--contours", nargs="?", const=8, type=int, metavar="NUMBER", help="contour lines (8)")
     parser.add_argument("--plain", action="store_true", help="without names, conditions, loads, boundaries and water")
     parser.add_argument("--slice", metavar="AXIS=PLACE", help="of a body in space what this plane cuts, as z=0.5")
-    parser.add_argument("--steps", nargs="+", metavar="STEP", help="several states beside each other: so many, or these steps")
-    parser.add_argument("--film", "--animate", action="store_true", help="all written states as a film (.gif; .mp4 with ffmpeg)")
+    parser.add_argument(
+        "--steps", nargs="+", metavar="STEP", help="several states beside each other: so many, or these steps"
+    )
+    parser.add_argument(
+        "--film", "--animate", action="store_true", help="all written states as a film (.gif; .mp4 with ffmpeg)"
+    )
     parser.add_argument("--fps", type=float, default=8.0, help="pictures a second of a film (8)")
     parser.add_argument("--live", action="store_true", help="while the run goes on, draw each new state, until it ends")
-    parser.add_argument("--history", nargs="+", metavar="COLUMN", help="draw columns of the history instead of the material")
+    parser.add_argument(
+        "--history", nargs="+", metavar="COLUMN", help="draw columns of the history instead of the material"
+    )
     parser.add_argument("--x", default="time", metavar="COLUMN", help="the column along the x axis (time)")
-    parser.add_argument("--since-reset", action="store_true", help="displacement of tracks since the last reset, not in total")
+    parser.add_argument(
+        "--since-reset", action="store_true", help="displacement of tracks since the last reset, not in total"
+    )
     parser.add_argument("--section", metavar="NAME", help="draw N, V and M along a row of cuts at --step")
     parser.add_argument("--profile", metavar="NAME", help="draw normal and shear stress along a line at --step")
-    parser.add_argument("--measured", metavar="FILE.csv",
-                        help="measurements beside a laboratory test: columns strain_yy, p, q, eps_v, e, signs as in the history")
-    parser.add_argument("--scene", action="store_true", help="draw the scene in its first state: grid, bodies by material, all that acts")
+    parser.add_argument(
+        "--measured",
+        metavar="FILE.csv",
+        help="measurements beside a laboratory test: columns strain_yy, p, q, eps_v, e, signs as in the history",
+    )
+    parser.add_argument(
+        "--scene",
+        action="store_true",
+        help="draw the scene in its first state: grid, bodies by material, all that acts",
+    )
     parser.add_argument("--title", help="the picture's title (the scene's)")
     parser.add_argument("--output", help="file; its ending tells the format (plot.png, or plot.gif of a film)")
     return parser
 
 
 def view_parser():
-    parser = argparse.ArgumentParser(prog="talus view", description="Shows the results of a run in a window (by pyvista), with a slider over steps.")
+    parser = argparse.ArgumentParser(
+        prog="talus view", description="Shows the results of a run in a window (by pyvista), with a slider over steps."
+    )
     add_field(parser)
     parser.add_argument("--screenshot", metavar="FILE.png", help="write a picture instead of opening a window")
     return parser

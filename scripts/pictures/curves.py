@@ -1,4 +1,5 @@
 """Columns of the history: one axis a unit, stages as lines, the factor of safety marked."""
+
 import re
 
 import matplotlib.pyplot as plt
@@ -58,8 +59,17 @@ def draw_stages(axes, results, scene, x_name, factor):
         begin = history["time"][row] - history["dt"][row] if x_name == "time" else history["step"][row] - 1.0
         axes.axvline(begin / factor, color="0.75", linewidth=0.7, zorder=0)
         if len(starts) <= STAGE_NAMES and number <= len(scene.stages):
-            axes.text(begin / factor, 1.01, " " + scene.stages[number - 1].name, transform=axes.get_xaxis_transform(), fontsize=6.5,
-                      color="0.4", ha="left", va="bottom", rotation=30)
+            axes.text(
+                begin / factor,
+                1.01,
+                " " + scene.stages[number - 1].name,
+                transform=axes.get_xaxis_transform(),
+                fontsize=6.5,
+                color="0.4",
+                ha="left",
+                va="bottom",
+                rotation=30,
+            )
 
 
 def mark_safety(axes, results, x, x_name, columns):
@@ -72,17 +82,44 @@ def mark_safety(axes, results, x, x_name, columns):
     text = f"factor of safety {factor:.3g}"
     if x_name == "reduction":
         axes.axvline(factor, **options)
-        axes.text(factor, 0.02, text + " ", transform=axes.get_xaxis_transform(), color=style.LOAD, rotation=90, ha="right", va="bottom",
-                  fontsize=style.SMALL)
+        axes.text(
+            factor,
+            0.02,
+            text + " ",
+            transform=axes.get_xaxis_transform(),
+            color=style.LOAD,
+            rotation=90,
+            ha="right",
+            va="bottom",
+            fontsize=style.SMALL,
+        )
     elif columns == ["reduction"]:
         axes.axhline(factor, **options)
-        axes.text(0.02, factor, text, transform=axes.get_yaxis_transform(), color=style.LOAD, ha="left", va="bottom", fontsize=style.SMALL)
+        axes.text(
+            0.02,
+            factor,
+            text,
+            transform=axes.get_yaxis_transform(),
+            color=style.LOAD,
+            ha="left",
+            va="bottom",
+            fontsize=style.SMALL,
+        )
     elif x_name in ("time", "step"):
         rows = np.flatnonzero(history["reduction"] >= factor * (1.0 - 1e-9))
         place = x[rows[0]] if len(rows) else x[-1]  # the run ends where the points begin to move
         axes.axvline(place, **options)
-        axes.text(place, 0.02, text + " ", transform=axes.get_xaxis_transform(), color=style.LOAD, rotation=90, ha="right", va="bottom",
-                  fontsize=style.SMALL)
+        axes.text(
+            place,
+            0.02,
+            text + " ",
+            transform=axes.get_xaxis_transform(),
+            color=style.LOAD,
+            rotation=90,
+            ha="right",
+            va="bottom",
+            fontsize=style.SMALL,
+        )
 
 
 def by_unit(curves):
@@ -102,7 +139,9 @@ def draw_group(axes, x, unit, members, first):
     for k, (_, values, label) in enumerate(members):
         marker = {"marker": ".", "markersize": 3} if len(x) < 60 else {}
         lines += axes.plot(x, values, label=label, color=style.COLOURS[(first + k) % len(style.COLOURS)], **marker)
-    text = members[0][2] if len(members) == 1 else ", ".join(member[2] for member in members) if len(members) < 3 else ""
+    text = (
+        members[0][2] if len(members) == 1 else ", ".join(member[2] for member in members) if len(members) < 3 else ""
+    )
     axes.set_ylabel(units.with_unit(text, unit) if text else f"({unit})" if unit else "")
     return lines
 
@@ -119,8 +158,14 @@ def plot_history(results, scene, arguments):
         factor = 1.0
     x = factor * x
     rows = len(groups) if len(groups) > 2 else 1
-    figure, panels = plt.subplots(rows, 1, sharex=True, squeeze=False, layout="constrained",
-                                  figsize=(style.WIDTH, 3.3 if rows == 1 else 0.8 + 1.7 * rows))
+    figure, panels = plt.subplots(
+        rows,
+        1,
+        sharex=True,
+        squeeze=False,
+        layout="constrained",
+        figsize=(style.WIDTH, 3.3 if rows == 1 else 0.8 + 1.7 * rows),
+    )
     seconds = units.time_unit(scene, units.largest(results.column("time")))[0] if arguments.x == "time" else 1.0
     panels = [style.open_axes(panel) for panel in panels[:, 0]]
     lines, second = draw_group(panels[0], x, *groups[0], 0), None

@@ -1,7 +1,8 @@
 """The points' domains in the plane, as one body without gaps.
 
-A domain is a box of the first lattice, or the part of it within the body's region. Its corners move by the point's own F;
-corners that domains shared at first are drawn at their mean, as long as the body holds together there."""
+A domain is a box of the first lattice, or the part of it within the body's region. Its corners move by the point's own
+F; corners that domains shared at first are drawn at their mean, as long as the body holds together there."""
+
 from collections import namedtuple
 
 import numpy as np
@@ -11,8 +12,8 @@ APART = 0.5  # of a domain's edge: corners further from their mean belong to mat
 CORNER = 1e-3  # of a domain's edge: corners nearer to each other are one
 SLIVER = 1e-6  # of a domain: less of a region is left out
 
-# Domains: corners (n, m, 2), short ones with their last corner repeated; `owner`: the point of each; `start`: the corners at
-# first; `number`: of each corner, alike where shared.
+# Domains: corners (n, m, 2), short ones with their last corner repeated; `owner`: the point of each; `start`: the
+# corners at first; `number`: of each corner, alike where shared.
 Domains = namedtuple("Domains", "corners owner start number")
 
 
@@ -36,8 +37,9 @@ def domain_polygons(state, origin, deformed):
     """Corners of each point's own domain, (points, 4, 2): the box at first, or what F makes of it."""
     if not deformed:
         return origin.position[:, None, :] + 0.5 * SQUARE * origin.lengths[:, None, :]
-    return state["position"][:, None, :] + np.einsum("pij,pkj->pki", deformation(state),
-                                                     SQUARE * half_lengths(state, origin)[:, None, :])
+    return state["position"][:, None, :] + np.einsum(
+        "pij,pkj->pki", deformation(state), SQUARE * half_lengths(state, origin)[:, None, :]
+    )
 
 
 def clip_half(corners, axis, sign, end):
@@ -109,8 +111,11 @@ def cut_cells(region, place, lengths):
             cell = (lattice[k][0] + dx, lattice[k][1] + dy)
             if cell not in there and cell not in pieces:
                 pieces[cell] = (rows[k], clip(polygon, beside[k] - half, beside[k] + half))
-    return [(owner, corners) for owner, corners in pieces.values()
-            if len(corners) > 2 and area(corners) > SLIVER * np.prod(lengths)]
+    return [
+        (owner, corners)
+        for owner, corners in pieces.values()
+        if len(corners) > 2 and area(corners) > SLIVER * np.prod(lengths)
+    ]
 
 
 def starting_pieces(origin, regions):
@@ -129,7 +134,7 @@ def starting_pieces(origin, regions):
     start = np.empty((len(pieces) + len(kept), width, 2))
     for k, (_, corners) in enumerate(pieces):
         start[k] = np.array(corners + [corners[-1]] * (width - len(corners)))
-    start[len(pieces):] = boxes[kept][:, [0, 1, 2] + [3] * (width - 3)]
+    start[len(pieces) :] = boxes[kept][:, [0, 1, 2] + [3] * (width - 3)]
     return start, np.concatenate([np.array([owner for owner, _ in pieces], int), kept])
 
 

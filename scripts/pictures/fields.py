@@ -1,4 +1,5 @@
 """Numbers by which points are coloured: a field, a component, or what is derived from stress; and their colours."""
+
 from collections import namedtuple
 
 import numpy as np
@@ -8,7 +9,14 @@ from results import ResultsError, component_names, pressure, von_mises
 from . import style, units
 
 DERIVED = {"von_mises": (von_mises, "von Mises stress"), "pressure": (pressure, "mean pressure")}
-SYMBOLS = {"stress": "\\sigma", "displacement": "u", "velocity": "v", "strain": "\\epsilon", "flux": "q", "acceleration": "a"}
+SYMBOLS = {
+    "stress": "\\sigma",
+    "displacement": "u",
+    "velocity": "v",
+    "strain": "\\epsilon",
+    "flux": "q",
+    "acceleration": "a",
+}
 LABELS = {"pressure": "water pressure", "equivalent_plastic_strain": "equivalent plastic strain"}
 NOISE_LENGTH = 1e-6  # of the extent of the material: less of a displacement is the tolerance of the solver
 GROUPS = ("material", "body")  # fields of numbers that name something
@@ -55,7 +63,9 @@ def colour_scale(values, limits=None, colours=None, percentile=None):
         return Scale(colours or style.SEQUENTIAL, *limits)
     if not len(values):
         return Scale(colours or style.SEQUENTIAL, 0.0, 1.0)
-    low, high = np.percentile(values, (percentile, 100.0 - percentile)) if percentile else (np.min(values), np.max(values))
+    low, high = (
+        np.percentile(values, (percentile, 100.0 - percentile)) if percentile else (np.min(values), np.max(values))
+    )
     if low < 0.0 < high and min(-low, high) > 0.1 * max(-low, high):
         high = max(-low, high)
         return Scale(colours or style.DIVERGING, -high, high)

@@ -1,6 +1,7 @@
 """Films of the written states, and pictures of a run that goes on.
 
 One figure serves all frames: only the domains, their colours and the outlines change from frame to frame."""
+
 import shutil
 import subprocess
 import time
@@ -67,7 +68,9 @@ def make_film(results, scene, arguments):
 def write_gif(pictures, path, fps):
     """One palette for all pictures, that of the last, which has the most colours; the last one stands for longer."""
     pictures = [Image.fromarray(picture) for picture in pictures]
-    palette = Image.fromarray(np.concatenate([np.asarray(pictures[k]) for k in (0, len(pictures) // 2, -1)])).quantize(128)
+    palette = Image.fromarray(np.concatenate([np.asarray(pictures[k]) for k in (0, len(pictures) // 2, -1)])).quantize(
+        128
+    )
     images = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
     duration = [round(1000.0 / fps)] * (len(images) - 1) + [round(1000.0 / fps) + 1000]
     images[0].save(path, save_all=True, append_images=images[1:], duration=duration, loop=0)
@@ -79,8 +82,25 @@ def write_film(pictures, path, fps):
     for picture in pictures:
         height, width = (2 * (size // 2) for size in picture.shape[:2])
         if encoder is None:
-            command = ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(fps),
-                       "-i", "-", "-pix_fmt", "yuv420p", path]
+            command = [
+                "ffmpeg",
+                "-loglevel",
+                "error",
+                "-y",
+                "-f",
+                "rawvideo",
+                "-pix_fmt",
+                "rgb24",
+                "-s",
+                f"{width}x{height}",
+                "-r",
+                str(fps),
+                "-i",
+                "-",
+                "-pix_fmt",
+                "yuv420p",
+                path,
+            ]
             encoder = subprocess.Popen(command, stdin=subprocess.PIPE)
         encoder.stdin.write(np.ascontiguousarray(picture[:height, :width]).tobytes())
     encoder.stdin.close()
@@ -97,7 +117,7 @@ def ended(results):
 
 
 def redraw(results, arguments, draw):
-    """A figure of the last state, written and, where there is a screen, shown; False while the state is being written."""
+    """Writes a figure of the last state, and shows it on a screen; False while the state is being written."""
     try:
         figure = draw(results)
     except (OSError, KeyError, ResultsError):
@@ -115,7 +135,7 @@ def redraw(results, arguments, draw):
 
 
 def watch(make, arguments, draw):
-    """Draws the last state again and again, until the run has ended. `make` gives fresh results, `draw` a figure of them."""
+    """Draws each new state until the run has ended. `make` gives fresh results, `draw` a figure of them."""
     seen = None
     while True:
         results = make()

@@ -1,4 +1,5 @@
 """A scene before any run: bodies by material, conditions, boundaries, loads, tracks, water and the grid."""
+
 import textwrap
 
 import matplotlib.pyplot as plt
@@ -31,17 +32,40 @@ def draw_joining(axes, scene):
     for body in scene.bodies():
         if body.joins and body.polygon is not None:
             stage = next(stage.name for stage in scene.stages if body.name in scene.list(f"stage_{stage.name}_bodies"))
-            colour = style.material_colour(scene.materials.index(body.material)) if body.material in scene.materials else "0.9"
-            axes.add_patch(Polygon(body.polygon, facecolor=colour, alpha=0.45, edgecolor=style.INK, linestyle=(0, (3, 2)), linewidth=0.7, zorder=2.5))
-            style.name(axes, *body.polygon.mean(axis=0), body.name + ", joins" + (f" in {stage}" if stage != body.name else ""), fontsize=6.5)
+            colour = (
+                style.material_colour(scene.materials.index(body.material))
+                if body.material in scene.materials
+                else "0.9"
+            )
+            axes.add_patch(
+                Polygon(
+                    body.polygon,
+                    facecolor=colour,
+                    alpha=0.45,
+                    edgecolor=style.INK,
+                    linestyle=(0, (3, 2)),
+                    linewidth=0.7,
+                    zorder=2.5,
+                )
+            )
+            style.name(
+                axes,
+                *body.polygon.mean(axis=0),
+                body.name + ", joins" + (f" in {stage}" if stage != body.name else ""),
+                fontsize=6.5,
+            )
             handles.append(body.material)
     return handles
 
 
 def box_of(scene, look):
     """The frame: the material, the bodies that join, and the water; not the empty grid above."""
-    corners = [look.domains.corners.reshape(-1, 2)] + [body.polygon for body in scene.bodies() if body.polygon is not None]
-    corners += [line for line in [scene.water_line(0.0, *look.domains.corners[..., 0].ravel()[[0, -1]])] if line is not None]
+    corners = [look.domains.corners.reshape(-1, 2)] + [
+        body.polygon for body in scene.bodies() if body.polygon is not None
+    ]
+    corners += [
+        line for line in [scene.water_line(0.0, *look.domains.corners[..., 0].ravel()[[0, -1]])] if line is not None
+    ]
     corners = np.concatenate(corners)
     for name in scene.list("boundaries"):
         found = scene.boundary_outline(name, 0.0, 0.0)
@@ -103,12 +127,26 @@ def plot_scene(results, scene, arguments):
     marks.draw_tracks(axes, look, scene)
     set_frame(axes, look.frame, scene.axial)
     handles = [Patch(facecolor=colour, edgecolor=style.INK, linewidth=0.5, label=text) for colour, text in shown]
-    handles += [Patch(facecolor=style.material_colour(scene.materials.index(name)), alpha=0.5, label=name) for name in dict.fromkeys(joining)
-                if name in scene.materials and name not in [text for _, text in shown]]
+    handles += [
+        Patch(facecolor=style.material_colour(scene.materials.index(name)), alpha=0.5, label=name)
+        for name in dict.fromkeys(joining)
+        if name in scene.materials and name not in [text for _, text in shown]
+    ]
     style.legend_below(axes, handles)
     words = notes(scene) + ([f"one line of the grid in {every} is drawn"] if every > 1 else [])
     if words:
-        axes.text(0.01, 0.99, "\n".join(words), transform=axes.transAxes, va="top", ha="left", fontsize=6.5, color="0.35", path_effects=style.HALO, zorder=9)
+        axes.text(
+            0.01,
+            0.99,
+            "\n".join(words),
+            transform=axes.transAxes,
+            va="top",
+            ha="left",
+            fontsize=6.5,
+            color="0.35",
+            path_effects=style.HALO,
+            zorder=9,
+        )
     title = arguments.title or scene.title
     figure.suptitle("\n".join(textwrap.wrap(title, TITLE)))
     return figure

@@ -1,7 +1,7 @@
 """Draws a laboratory test of Talus (physics: stress_point): q and volume strain against axial strain, the path of p and q,
 and the void ratio against the logarithm of p, beside measurements where there are any.
 
-plot.py does it by itself for such a run; measurements are a CSV file with columns of the history's names and signs.
+`talus plot` does it by itself for such a run; measurements are a CSV file with columns of the history's names and signs.
 """
 
 import matplotlib.pyplot as plt
@@ -16,8 +16,14 @@ from . import style
 COLUMNS = ("strain_yy", "strain_xy", "p", "q", "eps_v", "e")
 RUN = {"linewidth": 1.8, "color": "C0", "label": "Talus"}
 THEORY = {"linestyle": "--", "linewidth": 1.2, "color": "black", "label": "theory"}
-MEASURED = {"linestyle": "", "marker": "o", "markersize": 4.5, "markerfacecolor": "white", "color": "0.25",
-            "label": "measured"}
+MEASURED = {
+    "linestyle": "",
+    "marker": "o",
+    "markersize": 4.5,
+    "markerfacecolor": "white",
+    "color": "0.25",
+    "label": "measured",
+}
 
 
 def is_laboratory(results):
@@ -34,7 +40,9 @@ def read_measurements(path):
     except TableError as error:
         raise ResultsError(str(error)) from error
     if not table:
-        raise ResultsError(f"{path}: has none of the columns {', '.join(COLUMNS)}; there are {', '.join(read_rows(path)[0])}")
+        raise ResultsError(
+            f"{path}: has none of the columns {', '.join(COLUMNS)}; there are {', '.join(read_rows(path)[0])}"
+        )
     return table
 
 
@@ -104,7 +112,7 @@ def plot_laboratory(results, measurements=None, title=None, theory=None):
     sources = (test, theory, read_measurements(measurements) if measurements else None)
     factor, unit = pressure_unit(test)
     driven, driven_label, strain = abscissa_of(results, test)
-    figure, ((top, path), (volume, compression)) = plt.subplots(2, 2, figsize=(9.0, 7.0), layout="constrained")
+    figure, ((top, path), (volume, compression)) = plt.subplots(2, 2, figsize=(7.0, 5.6), layout="constrained")
 
     lines = draw_curve(top, sources, (strain, "q"), driven, lambda columns: factor * columns["q"])
     top.set(xlabel=driven_label, ylabel=f"$q$ ({unit})")
@@ -118,7 +126,9 @@ def plot_laboratory(results, measurements=None, title=None, theory=None):
     path.plot(pressure(test)[0], factor * test["q"][0], "s", color=RUN["color"], markersize=5)
     path.set(xlabel=f"mean pressure $-p$ ({unit})", ylabel=f"$q$ ({unit})")
 
-    name, scale, label = ("e", 1.0, "void ratio $e$") if "e" in test else ("eps_v", 100.0, r"volume strain $\epsilon_v$ (%)")
+    name, scale, label = (
+        ("e", 1.0, "void ratio $e$") if "e" in test else ("eps_v", 100.0, r"volume strain $\epsilon_v$ (%)")
+    )
     draw_curve(compression, sources, ("p", name), pressure, lambda columns: scale * columns[name])
     compression.set(xlabel=f"mean pressure $-p$ ({unit})", ylabel=label)
     if np.nanmin(pressure(test)[1:]) > 0.0:

@@ -1,4 +1,5 @@
 """Layers of ground, drawn by their surface and the interfaces below (region: layers)."""
+
 import numpy as np
 
 

@@ -1,4 +1,5 @@
 """Forces along a row of cuts, and stress along a line: upright beside the wall where the row is upright."""
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -7,11 +8,18 @@ from results import ResultsError, find_step
 from . import style, units
 
 # Panels: label, unit, columns with their names in the legend; the first set whose columns are there.
-SECTION = ((("normal force", "N", {"n": "N"}), ("shear force", "N", {"v": "V"}), ("bending moment", "N m", {"m": "M"})),
-           (("normal force", "N", {"n": "N"}), ("shear forces", "N", {"v1": "$V_1$", "v2": "$V_2$"}),
-            ("moments", "N m", {"m1": "$M_1$", "m2": "$M_2$", "t": "T"})))
-PROFILE = ((("normal stress", "Pa", {"n": "$\\sigma_n$"}), ("shear stress", "Pa", {"t": "$\\tau$"})),
-           (("normal stress", "Pa", {"n": "$\\sigma_n$"}), ("shear stress", "Pa", {"t1": "$\\tau_1$", "t2": "$\\tau_2$"})))
+SECTION = (
+    (("normal force", "N", {"n": "N"}), ("shear force", "N", {"v": "V"}), ("bending moment", "N m", {"m": "M"})),
+    (
+        ("normal force", "N", {"n": "N"}),
+        ("shear forces", "N", {"v1": "$V_1$", "v2": "$V_2$"}),
+        ("moments", "N m", {"m1": "$M_1$", "m2": "$M_2$", "t": "T"}),
+    ),
+)
+PROFILE = (
+    (("normal stress", "Pa", {"n": "$\\sigma_n$"}), ("shear stress", "Pa", {"t": "$\\tau$"})),
+    (("normal stress", "Pa", {"n": "$\\sigma_n$"}), ("shear stress", "Pa", {"t1": "$\\tau_1$", "t2": "$\\tau_2$"})),
+)
 STEEP = 2.0  # a row that rises so much more than it goes aside is drawn upright
 NOISE = 1e-9  # of the largest number: less of a force is rounding
 BESIDE = 0.6  # of the row's height: as much of the ground is drawn on either side
@@ -40,7 +48,9 @@ def draw_panel(axes, along, rows, panel, most, turned, unit):
     (axes.axvline if turned else axes.axhline)(0.0, color=style.SOFT, linewidth=0.8)
     for k, (column, symbol) in enumerate(columns.items()):
         values, colour = factor * rows[column], style.COLOURS[k]
-        axes.plot(*((values, along) if turned else (along, values)), color=colour, marker=".", markersize=3, label=symbol)
+        axes.plot(
+            *((values, along) if turned else (along, values)), color=colour, marker=".", markersize=3, label=symbol
+        )
         if len(columns) == 1:
             fill = axes.fill_betweenx if turned else axes.fill_between
             fill(along, 0.0, values, color=colour, alpha=0.15, linewidth=0)
@@ -61,19 +71,30 @@ def draw_ground(axes, results, scene, step, rows, axis):
     draw_outlines(axes, look, False)
     axes.plot(rows["x"], rows[axis], color=style.LOAD, linewidth=1.6, zorder=7)
     height, middle = np.ptp(rows[axis]), rows["x"].mean()
-    axes.set(xlim=(middle - BESIDE * height, middle + BESIDE * height), aspect="equal", xlabel="x (m)", adjustable="datalim")
+    axes.set(
+        xlim=(middle - BESIDE * height, middle + BESIDE * height), aspect="equal", xlabel="x (m)", adjustable="datalim"
+    )
     style.open_axes(axes)
 
 
 def plot_line(results, scene, kind, name, arguments):
     """A panel each for the normal, the transverse and the turning part, along the row or the line."""
     rows, number = rows_of(results, kind, name, arguments.step)
-    panels = next(one for one in (SECTION if kind == "section" else PROFILE) if all(c in rows for p in one for c in p[2]))
+    panels = next(
+        one for one in (SECTION if kind == "section" else PROFILE) if all(c in rows for p in one for c in p[2])
+    )
     rise = upright(rows)
     ground = rise == "y" and number in written(results)
     size = (1.35 * (len(panels) + ground) + 0.5, 3.6) if rise else (style.WIDTH, 1.5 * len(panels) + 0.8)
     shape = (1, len(panels) + ground) if rise else (len(panels), 1)
-    figure, axes = plt.subplots(*shape, figsize=(max(size[0], 3.4), size[1]), layout="constrained", squeeze=False, sharex=not rise, sharey=bool(rise))
+    figure, axes = plt.subplots(
+        *shape,
+        figsize=(max(size[0], 3.4), size[1]),
+        layout="constrained",
+        squeeze=False,
+        sharex=not rise,
+        sharey=bool(rise),
+    )
     axes, most = axes.ravel(), max(units.largest(rows[column]) for panel in panels for column in panel[2])
     if ground:
         draw_ground(axes[0], results, scene, number, rows, rise)
@@ -89,8 +110,12 @@ def plot_line(results, scene, kind, name, arguments):
         axes[-1].set_xlabel("s (m)")
     text = arguments.title or scene.title
     stage = scene.stage_at(number)
-    figure.suptitle((text + "\n" if text else "") + f"{kind} {name}, " + (f"stage {stage}, " if stage else "")
-                    + f"step {number}, {units.time_text(scene, rows['time'][0])}")
+    figure.suptitle(
+        (text + "\n" if text else "")
+        + f"{kind} {name}, "
+        + (f"stage {stage}, " if stage else "")
+        + f"step {number}, {units.time_text(scene, rows['time'][0])}"
+    )
     return figure
 
 

@@ -1,4 +1,5 @@
 """What acts on the material in the plane, and names: conditions, loads, boundaries, water, tracks, bodies."""
+
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Polygon
@@ -38,8 +39,9 @@ def name_bodies(axes, look, scene):
 
 # ---- conditions ----
 
+
 def condition_line(look, scene, name):
-    """Where a condition holds the material's edge: (axis across, its place, from, to); None where it is no straight line."""
+    """Where a condition holds the material's edge: (axis across, its place, from, to); None without a straight line."""
     low, high = scene.vector(f"bc_{name}_lower"), scene.vector(f"bc_{name}_upper")
     if scene.get(f"bc_{name}_region") != "box" or len(low) != 2:
         return None
@@ -58,7 +60,7 @@ def condition_line(look, scene, name):
 
 
 def edge_within(look, low, high, cell):
-    """The material's edge in a box that reaches beyond it, as condition_line() says it; None where more than an edge is in it."""
+    """The material's edge in a box that reaches beyond it, as condition_line() says it; None where there is more."""
     reach = 1e-3 * look.origin.lengths.min()
     first = look.domains.start.reshape(-1, 2)
     inside = np.all((first >= low - reach) & (first <= high + reach), axis=1)
@@ -70,7 +72,7 @@ def edge_within(look, low, high, cell):
 
 
 def draw_conditions(axes, look, scene, stage, time):
-    """Ticks where both components are prescribed, rollers where the one across the edge is; arrows of prescribed motion."""
+    """Ticks where both components are prescribed, rollers where the one across the edge is; arrows of motion."""
     size = unit_of(look) * SIZE
     middle = look.state["position"].mean(axis=0)
     for name in scene.active("bcs", stage):
@@ -98,11 +100,15 @@ def draw_support(axes, line, size, components):
     along = start + (np.arange(count) + 0.5) * (end - start) / count
     options = {"colors": style.FIXED, "linewidths": 0.7, "zorder": 5}
     if components >= {"x", "y"}:
-        ticks = np.stack([at(axis, place, along + 0.4 * abs(size)), at(axis, place + size, along - 0.4 * abs(size))], axis=1)
+        ticks = np.stack(
+            [at(axis, place, along + 0.4 * abs(size)), at(axis, place + size, along - 0.4 * abs(size))], axis=1
+        )
         axes.add_collection(LineCollection(ticks, **options), autolim=False)
     elif "xy"[axis] in components:
         angle = np.linspace(0.0, 2.0 * np.pi, 17)
-        rings = at(axis, place + 0.4 * size, along)[:, None] + 0.36 * abs(size) * np.column_stack([np.cos(angle), np.sin(angle)])
+        rings = at(axis, place + 0.4 * size, along)[:, None] + 0.36 * abs(size) * np.column_stack(
+            [np.cos(angle), np.sin(angle)]
+        )
         rail = at(axis, place + 0.85 * size, np.array([start, end]))[None]
         axes.add_collection(LineCollection(list(rings) + list(rail), **options), autolim=False)
     else:  # only the one along the edge
@@ -117,7 +123,11 @@ def draw_prescribed(axes, scene, name, line, time, extent):
     from .scene import ramp
 
     values, components = scene.vector(f"bc_{name}_value"), scene.list(f"bc_{name}_components")
-    if scene.get(f"bc_{name}_quantity", "displacement") != "displacement" or not np.any(values) or scene.get(f"bc_{name}_table"):
+    if (
+        scene.get(f"bc_{name}_quantity", "displacement") != "displacement"
+        or not np.any(values)
+        or scene.get(f"bc_{name}_table")
+    ):
         return
     factor = ramp(scene.get(f"bc_{name}_ramp", "0:1"), time) if time is not None else 1.0
     move = np.array([dict(zip(components, values)).get(axis, 0.0) for axis in "xy"])
@@ -131,10 +141,22 @@ def draw_prescribed(axes, scene, name, line, time, extent):
 
 # ---- loads ----
 
+
 def arrow(axes, tail, tip, text=None):
     """An arrow with a text at its tail."""
-    axes.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>,head_width=0.18,head_length=0.35", "color": style.LOAD, "linewidth": 0.9,
-                                             "shrinkA": 0, "shrinkB": 0}, zorder=7)
+    axes.annotate(
+        "",
+        tip,
+        tail,
+        arrowprops={
+            "arrowstyle": "-|>,head_width=0.18,head_length=0.35",
+            "color": style.LOAD,
+            "linewidth": 0.9,
+            "shrinkA": 0,
+            "shrinkB": 0,
+        },
+        zorder=7,
+    )
     if text:
         style.name(axes, *tail, text, color=style.LOAD, va="bottom" if tail[1] >= tip[1] else "top", clip_on=True)
 
@@ -173,8 +195,13 @@ def draw_loads(axes, look, scene, stage, time):
         direction = value[:2] / np.linalg.norm(value[:2])
         unit = "Pa" if kind == "traction" else "N" if scene.axial else "N/m"
         if len(places):
-            draw_row(axes, places if kind == "traction" else places.mean(axis=0)[None], np.sign(factor or 1.0) * direction, extent,
-                     units.amount(abs(factor) * np.linalg.norm(value[:2]), unit))
+            draw_row(
+                axes,
+                places if kind == "traction" else places.mean(axis=0)[None],
+                np.sign(factor or 1.0) * direction,
+                extent,
+                units.amount(abs(factor) * np.linalg.norm(value[:2]), unit),
+            )
 
 
 def loaded_places(look, scene, block, faces):
@@ -231,17 +258,28 @@ def draw_surfaces(axes, look, scene, stage, time):
         factor = ramp(scene.get(f"surface_{name}_ramp", "0:1"), time) if time is not None else 1.0
         value = scene.vector(f"surface_{name}_traction")
         if np.any(value):
-            draw_row(axes, middle, value[:2] / np.linalg.norm(value[:2]), extent, units.amount(factor * np.linalg.norm(value[:2]), "Pa"))
+            draw_row(
+                axes,
+                middle,
+                value[:2] / np.linalg.norm(value[:2]),
+                extent,
+                units.amount(factor * np.linalg.norm(value[:2]), "Pa"),
+            )
         stress = scene.get(f"surface_{name}_normal")
         if stress and float(stress):
             rows = np.unique(np.linspace(0, len(middle) - 1, min(ARROWS, len(middle))).round().astype(int))
             for k, row in enumerate(rows):
                 push = np.sign(float(stress)) * normal[row]
-                tail, tip = (middle[row] - ARROW * extent * push, middle[row]) if float(stress) < 0.0 else (middle[row], middle[row] + ARROW * extent * push)
+                tail, tip = (
+                    (middle[row] - ARROW * extent * push, middle[row])
+                    if float(stress) < 0.0
+                    else (middle[row], middle[row] + ARROW * extent * push)
+                )
                 arrow(axes, tail, tip, units.amount(abs(factor * float(stress)), "Pa") if k == len(rows) // 2 else None)
 
 
 # ---- boundaries, water, tracks ----
+
 
 def draw_plane_boundary(axes, look, scene, name, line):
     """A plane as a line, with ticks on the side without material, and its name."""
@@ -252,7 +290,9 @@ def draw_plane_boundary(axes, look, scene, name, line):
     start = line[0] + steps * along
     seen = start[np.all((start > look.frame[0]) & (start < look.frame[1]), axis=1)]
     ticks = np.stack([seen, seen - SIZE * extent * (0.7 * normal + 0.7 * along)], axis=1)
-    axes.add_collection(LineCollection(np.concatenate([line[None], ticks]), colors=style.RIGID, linewidths=0.8, zorder=4), autolim=False)
+    axes.add_collection(
+        LineCollection(np.concatenate([line[None], ticks]), colors=style.RIGID, linewidths=0.8, zorder=4), autolim=False
+    )
     if len(seen):
         style.name(axes, *(seen[len(seen) // 2] - 2.0 * SIZE * extent * normal), name)
 
@@ -269,8 +309,17 @@ def draw_boundaries(axes, look, scene, time, step=None):
             draw_plane_boundary(axes, look, scene, name, corners)
             continue
         solid = kind == "cone" or (closed and scene.get(f"boundary_{name}_side", "outside") == "outside")
-        axes.add_patch(Polygon(corners, closed=solid or closed, facecolor="0.82" if solid else "none", edgecolor=style.RIGID, linewidth=1.0,
-                               zorder=3.5 if solid else 4, clip_on=True))
+        axes.add_patch(
+            Polygon(
+                corners,
+                closed=solid or closed,
+                facecolor="0.82" if solid else "none",
+                edgecolor=style.RIGID,
+                linewidth=1.0,
+                zorder=3.5 if solid else 4,
+                clip_on=True,
+            )
+        )
         seen = np.all((corners >= look.frame[0]) & (corners <= look.frame[1]), axis=1)
         if solid and seen.any():
             place = np.clip(corners.mean(axis=0), look.frame[0] + 0.04 * extent, look.frame[1] - 0.04 * extent)
@@ -285,7 +334,16 @@ def draw_water(axes, look, scene, time):
     axes.plot(*line.T, color=style.WATER, linewidth=1.0, linestyle=(0, (5, 2)), zorder=6, scalex=False, scaley=False)
     x = look.frame[0][0] + 0.1 * (look.frame[1][0] - look.frame[0][0])
     y = np.interp(x, *line.T)
-    axes.plot([x], [y + 0.012 * unit_of(look)], marker="v", color=style.WATER, markersize=5, zorder=6, scalex=False, scaley=False)
+    axes.plot(
+        [x],
+        [y + 0.012 * unit_of(look)],
+        marker="v",
+        color=style.WATER,
+        markersize=5,
+        zorder=6,
+        scalex=False,
+        scaley=False,
+    )
 
 
 def draw_tracks(axes, look, scene):
@@ -295,12 +353,30 @@ def draw_tracks(axes, look, scene):
         if not scene.is_given(f"track_{name}_at"):
             continue
         away = np.linalg.norm(look.origin.position - scene.vector(f"track_{name}_at"), axis=1)
-        place = look.state["position"][np.argsort(away, kind="stable")[: int(scene.get(f"track_{name}_nearest", "1"))]].mean(axis=0)
-        axes.plot(*place, marker="o", markersize=3.5, markerfacecolor="white", markeredgecolor=style.INK, zorder=7, scalex=False, scaley=False)
+        place = look.state["position"][
+            np.argsort(away, kind="stable")[: int(scene.get(f"track_{name}_nearest", "1"))]
+        ].mean(axis=0)
+        axes.plot(
+            *place,
+            marker="o",
+            markersize=3.5,
+            markerfacecolor="white",
+            markeredgecolor=style.INK,
+            zorder=7,
+            scalex=False,
+            scaley=False,
+        )
         crowded = place[0] > look.frame[0][0] + RIGHT * (look.frame[1] - look.frame[0])[0]
         side = -1.0 if crowded or any(np.linalg.norm(place - other) < CLOSE * extent for other in before) else 1.0
         before.append(place)
-        style.name(axes, place[0] + side * 0.012 * extent, place[1] + 0.012 * extent, name, ha="left" if side > 0.0 else "right", va="bottom")
+        style.name(
+            axes,
+            place[0] + side * 0.012 * extent,
+            place[1] + 0.012 * extent,
+            name,
+            ha="left" if side > 0.0 else "right",
+            va="bottom",
+        )
 
 
 class Reach:

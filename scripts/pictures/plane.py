@@ -1,4 +1,5 @@
 """A state in the plane: the material as one body coloured by a field, outlines of bodies, contour lines, arrows."""
+
 from collections import namedtuple
 
 import numpy as np
@@ -21,8 +22,8 @@ ARROWS = 16  # along the longer side
 LEVELS = 256  # of colours
 PAINTED = 4000  # domains, more of which are stored as an image in vector formats
 
-# What a state looks like: its points, where they were first, the body of each, the domains, limits of the axes, and edges of
-# the material at first (None where it is drawn there).
+# What a state looks like: its points, where they were first, the body of each, the domains, limits of the axes, and
+# edges of the material at first (None where it is drawn there).
 Look = namedtuple("Look", "state origin body domains frame start")
 
 
@@ -51,13 +52,25 @@ def bodies_of(scene, state, origin):
     for number, one in enumerate(bodies):
         low, high = scene.clip(f"body_{one.name}")
         own = np.flatnonzero(body == number)
-        if one.polygon is None or scene.get(f"body_{one.name}_region") == "box" or np.isfinite([low, high]).any() or not len(own):
+        if (
+            one.polygon is None
+            or scene.get(f"body_{one.name}_region") == "box"
+            or np.isfinite([low, high]).any()
+            or not len(own)
+        ):
             continue
         usual = np.median(origin.lengths[own], axis=0)
-        alike = np.all(np.abs(origin.lengths[own] - usual) < 1e-4 * usual, axis=1)  # without what fills a gap below the body
-        replaced = [other.polygon for other in bodies if other.polygon is not None and other is not one
-                    and scene.get(f"body_{other.name}_priority") == "true"]
-        regions.append(Region(one.polygon, own[alike & scene.contains(f"body_{one.name}", origin.position[own])], replaced))
+        alike = np.all(
+            np.abs(origin.lengths[own] - usual) < 1e-4 * usual, axis=1
+        )  # without what fills a gap below the body
+        replaced = [
+            other.polygon
+            for other in bodies
+            if other.polygon is not None and other is not one and scene.get(f"body_{other.name}_priority") == "true"
+        ]
+        regions.append(
+            Region(one.polygon, own[alike & scene.contains(f"body_{one.name}", origin.position[own])], replaced)
+        )
     return body, regions, body if scene.list("contacts") else None
 
 
@@ -86,7 +99,13 @@ def paint(axes, look, values, scale):
 
 def solid(look):
     """Properties of domains without hairlines between them."""
-    return {"edgecolors": "face", "linewidths": 0.35, "antialiased": False, "rasterized": len(look.domains.owner) > PAINTED, "zorder": 2}
+    return {
+        "edgecolors": "face",
+        "linewidths": 0.35,
+        "antialiased": False,
+        "rasterized": len(look.domains.owner) > PAINTED,
+        "zorder": 2,
+    }
 
 
 def draw_outlines(axes, look, first_places=True):
@@ -94,7 +113,9 @@ def draw_outlines(axes, look, first_places=True):
     if first_places and look.start is not None:
         axes.add_collection(LineCollection(look.start, colors=style.SOFT, linewidths=0.6, zorder=1), autolim=False)
     segments, _ = outline(look.domains, look.body)
-    axes.add_collection(LineCollection(segments, colors=style.INK, linewidths=0.6, capstyle="round", zorder=3), autolim=False)
+    axes.add_collection(
+        LineCollection(segments, colors=style.INK, linewidths=0.6, capstyle="round", zorder=3), autolim=False
+    )
 
 
 def set_frame(axes, frame, axial=False):
@@ -106,7 +127,7 @@ def set_frame(axes, frame, axial=False):
 
 
 def draw_body(axes, results, state, values, scale=None, deformed=True):
-    """The material in given axes, coloured by `values`; `scale`: (colour map, low, high). The collection, for a colour bar."""
+    """The material in given axes by `values`; `scale`: (colour map, low, high). The collection, for a colour bar."""
     scene = Scene(results)
     look = look_at(results, scene, state, deformed)
     filled = paint(axes, look, values, Scale(*scale) if scale else colour_scale(np.asarray(values)))
@@ -136,7 +157,10 @@ def corner_mesh(look, values):
     number, width = found.number, found.number.shape[1]
     weight = np.bincount(number.ravel(), minlength=count)
     mean = np.bincount(number.ravel(), np.repeat(np.asarray(values)[found.owner], width), count) / weight
-    place = np.stack([np.bincount(number.ravel(), found.corners[..., axis].ravel(), count) for axis in range(2)], axis=1) / weight[:, None]
+    place = (
+        np.stack([np.bincount(number.ravel(), found.corners[..., axis].ravel(), count) for axis in range(2)], axis=1)
+        / weight[:, None]
+    )
     fans = np.concatenate([number[:, [0, k, k + 1]] for k in range(1, width - 1)])
     fans = fans[(fans[:, 0] != fans[:, 1]) & (fans[:, 1] != fans[:, 2]) & (fans[:, 0] != fans[:, 2])]
     return Triangulation(*place.T, triangles=fans), mean
@@ -165,8 +189,20 @@ def draw_arrows(axes, look, name):
     chosen = order[np.unique(code[order], return_index=True)[1]]
     size = np.max(np.linalg.norm(vectors[chosen], axis=1), initial=0.0)
     if size > 0.0:
-        axes.quiver(*look.state["position"][chosen].T, *vectors[chosen].T, angles="xy", scale_units="xy", scale=size / spacing,
-                    units="inches", width=0.014, pivot="mid", color=style.INK, edgecolor="white", linewidth=0.3, zorder=6)
+        axes.quiver(
+            *look.state["position"][chosen].T,
+            *vectors[chosen].T,
+            angles="xy",
+            scale_units="xy",
+            scale=size / spacing,
+            units="inches",
+            width=0.014,
+            pivot="mid",
+            color=style.INK,
+            edgecolor="white",
+            linewidth=0.3,
+            zorder=6,
+        )
     return size
 
 

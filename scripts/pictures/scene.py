@@ -1,4 +1,5 @@
-"""The scene behind results: its bodies, conditions, loads, boundaries, water and stages, as the options in force say."""
+"""The scene behind results, by the options in force: bodies, conditions, loads, boundaries, water and stages."""
+
 import math
 from collections import namedtuple
 
@@ -145,30 +146,41 @@ class Scene:
             axis, start = self.vector(f"{block}_axis", "0,0,1"), place - self.vector(f"{block}_point")
             along = start @ (axis / np.linalg.norm(axis))
             across = np.sqrt(np.maximum(np.sum(start**2, axis=1) - along**2, 0.0))
-            inside &= (across <= self.vector(f"{block}_radius")[0] + reach)
+            inside &= across <= self.vector(f"{block}_radius")[0] + reach
             if self.get(f"{block}_length"):
                 inside &= (along >= -reach) & (along <= float(self.get(f"{block}_length")) + reach)
         return inside
 
     def bodies(self):
         joining = {name for stage in self.stages for name in self.list(f"stage_{stage.name}_bodies")}
-        return [Body(name, self.get(f"body_{name}_material"), self.polygon(f"body_{name}"), name in joining)
-                for name in self.list("bodies")]
+        return [
+            Body(name, self.get(f"body_{name}_material"), self.polygon(f"body_{name}"), name in joining)
+            for name in self.list("bodies")
+        ]
 
     def body_of_points(self, state, origin):
         """Number of each point's body, by where and in which stage it was first; -1 where no region has it."""
-        found, births, reach = np.full(len(origin.position), -1), self.results.births(state), 1e-3 * origin.lengths.min()
+        found, births, reach = (
+            np.full(len(origin.position), -1),
+            self.results.births(state),
+            1e-3 * origin.lengths.min(),
+        )
         bodies = self.bodies()
         material = state["material"] if "material" in state else np.zeros(len(found), int)
         for step in np.unique(births):
             stage = self.stage_at(step)
             joining = self.list(f"stage_{stage}_bodies") if stage and step > self.results.steps[0] else []
             chosen = [number for number, body in enumerate(bodies) if body.name in joining] or range(len(bodies))
-            self._assign(found, births == step, [(number, bodies[number]) for number in chosen], (origin.position, material, reach))
+            self._assign(
+                found,
+                births == step,
+                [(number, bodies[number]) for number in chosen],
+                (origin.position, material, reach),
+            )
         return found
 
     def _assign(self, found, rows, bodies, places):
-        """Bodies of points that were there first at the same time; those in no region go with a body of their material."""
+        """Bodies of points that came at the same time; those in no region go with a body of their material."""
         position, material, reach = places
         left = []
         for number, body in bodies:
@@ -189,7 +201,9 @@ class Scene:
         if table and table != "none":
             try:
                 columns = read_columns(table)
-                shift = np.array([np.interp(time, columns["time"], columns.get(key, 0.0 * columns["time"])) for key in ("ux", "uy")])
+                shift = np.array(
+                    [np.interp(time, columns["time"], columns.get(key, 0.0 * columns["time"])) for key in ("ux", "uy")]
+                )
                 turn = np.interp(time, columns["time"], columns["rz"]) if "rz" in columns else 0.0
             except (OSError, KeyError, ValueError):
                 pass
@@ -260,7 +274,9 @@ class Scene:
         """Water level between two places along x, (corners, 2); None without one."""
         if self.is_given("water_level"):
             factor = ramp(self.get("water_ramp", "0:1") or "0:1", time)
-            return np.array([[low, factor * float(self.get("water_level"))], [high, factor * float(self.get("water_level"))]])
+            return np.array(
+                [[low, factor * float(self.get("water_level"))], [high, factor * float(self.get("water_level"))]]
+            )
         if not self.is_given("water_table"):
             return None
         factor = ramp(self.get("water_table_ramp", "0:1") or "0:1", time)

@@ -1,4 +1,5 @@
 """A state in space: the faces of the domains at the material's surface, with light from above."""
+
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
@@ -25,7 +26,9 @@ def space_corners(results, state, arguments):
         return origin.position[:, None] + 0.5 * BOX * origin.lengths[:, None]
     local = BOX * half_lengths(state, origin)[:, None]
     corners = state["position"][:, None] + np.einsum("pij,pkj->pki", deformation(state), local)
-    number = number_corners(origin.position[:, None] + 0.5 * BOX * origin.lengths[:, None], origin.lengths, np.zeros(len(corners), int))
+    number = number_corners(
+        origin.position[:, None] + 0.5 * BOX * origin.lengths[:, None], origin.lengths, np.zeros(len(corners), int)
+    )
     corners = join(corners, number, origin.lengths.min(axis=1))
     if arguments.scale == 1.0:
         return corners
@@ -83,6 +86,9 @@ def draw_space_groups(axes, results, state, groups, arguments, frame=None):
     count = max(len(labels), 1)
     colours = ListedColormap([style.material_colour(k) for k in range(count)])
     draw_space(axes, results, state, numbers.astype(float), Scale(colours, -0.5, count - 0.5), arguments, frame)
-    handles = [Patch(facecolor=style.material_colour(k), edgecolor=style.INK, linewidth=0.5, label=labels[k]) for k in range(len(labels))
-               if np.any(numbers == k)]
+    handles = [
+        Patch(facecolor=style.material_colour(k), edgecolor=style.INK, linewidth=0.5, label=labels[k])
+        for k in range(len(labels))
+        if np.any(numbers == k)
+    ]
     axes.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, -0.08), ncols=min(len(handles), 5))

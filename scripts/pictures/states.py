@@ -1,4 +1,5 @@
 """One state, or several beside each other: the material by colour, with all that acts on it."""
+
 import textwrap
 
 import matplotlib.pyplot as plt
@@ -67,7 +68,7 @@ def group_field(results, scene, state, arguments):
 
 
 def draw_state(figure, axes, results, scene, state, arguments, series=None):
-    """One state in its axes; `series`: (scale, size, frame) that several states have in common. The scale if it needs a bar."""
+    """One state in its axes; `series`: (scale, size, frame) of several states. Scale, if it needs a bar, and label."""
     scale, size, frame = series or (None, None, None)
     groups, look = group_field(results, scene, state, arguments), look_of(results, scene, state, arguments)
     if groups is None:
@@ -82,7 +83,10 @@ def draw_state(figure, axes, results, scene, state, arguments, series=None):
         return scale, field.label
     if groups is not None:
         numbers = groups[0] if look.state is state else groups[0][look.rows]
-        handles = [plt.Rectangle((0, 0), 1, 1, color=colour, label=text) for colour, text in draw_groups(axes, look, numbers, groups[1])]
+        handles = [
+            plt.Rectangle((0, 0), 1, 1, color=colour, label=text)
+            for colour, text in draw_groups(axes, look, numbers, groups[1])
+        ]
         axes.legend(handles=handles, loc="best", title=arguments.field)
     elif flat:
         draw_uniform(axes, look, field)
@@ -113,8 +117,17 @@ def draw_uniform(axes, look, field):
     value = float(np.mean(field.values)) if len(field.values) else 0.0
     value = 0.0 if abs(value) < units.NOISE else value
     name = field.label.removesuffix(f" ({field.unit})")
-    axes.text(0.99, 0.98, f"{name} = {value:.4g} {field.unit} everywhere".replace("  ", " "), transform=axes.transAxes, ha="right",
-              va="top", fontsize=style.SMALL, path_effects=style.HALO, zorder=9)
+    axes.text(
+        0.99,
+        0.98,
+        f"{name} = {value:.4g} {field.unit} everywhere".replace("  ", " "),
+        transform=axes.transAxes,
+        ha="right",
+        va="top",
+        fontsize=style.SMALL,
+        path_effects=style.HALO,
+        zorder=9,
+    )
 
 
 def new_axes(figure, flat, *place):
@@ -127,7 +140,9 @@ def plot_state(results, scene, arguments):
     """A figure of one state."""
     state = read_points(results, arguments.step)
     look = look_of(results, scene, state, arguments)
-    figure = plt.figure(figsize=figure_size(look.frame if look else space_frame(results, state, arguments)), layout="constrained")
+    figure = plt.figure(
+        figsize=figure_size(look.frame if look else space_frame(results, state, arguments)), layout="constrained"
+    )
     axes = new_axes(figure, look is not None)
     scale, label = draw_state(figure, axes, results, scene, state, arguments)
     if scale:
@@ -144,11 +159,20 @@ def common(results, scene, steps, arguments, percentile=None):
     frame = np.min([one[0] for one in frames], axis=0), np.max([one[1] for one in frames], axis=0)
     if arguments.field in fields.GROUPS:
         return states, (None, None, frame)
-    raw = [fields.field_values(look.state if look else state, arguments.field, arguments.component)[0] for look, state in zip(looks, states)]
+    raw = [
+        fields.field_values(look.state if look else state, arguments.field, arguments.component)[0]
+        for look, state in zip(looks, states)
+    ]
     size = max(units.largest(values) for values in raw)
-    shown = [fields.read_field(look.state if look else state, arguments.field, arguments.component, size).values
-             for look, state in zip(looks, states)]
-    return states, (fields.colour_scale(np.concatenate(shown), arguments.limits, arguments.colours, percentile), size, frame)
+    shown = [
+        fields.read_field(look.state if look else state, arguments.field, arguments.component, size).values
+        for look, state in zip(looks, states)
+    ]
+    return states, (
+        fields.colour_scale(np.concatenate(shown), arguments.limits, arguments.colours, percentile),
+        size,
+        frame,
+    )
 
 
 def chosen_steps(results, text):

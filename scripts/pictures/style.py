@@ -1,6 +1,7 @@
 """One look for all pictures: readable at the width of a paper's column, and by the colour-blind.
 
 Colours of lines and materials are those of Okabe and Ito (2008); fields have viridis, or a diverging map about zero."""
+
 import matplotlib.pyplot as plt
 import numpy as np
 from cycler import cycler
@@ -19,10 +20,25 @@ DPI, DPI_SHEET = 190, 120  # of one picture, and of a sheet of several, 10 to 12
 HALO = [patheffects.withStroke(linewidth=1.8, foreground="white")]
 
 SETTINGS = {
-    "font.size": 8.5, "axes.titlesize": 8.5, "axes.labelsize": 8.5, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5,
-    "legend.fontsize": 7.5, "legend.frameon": False, "figure.titlesize": 8.5, "axes.linewidth": 0.7, "lines.linewidth": 1.4,
-    "xtick.major.width": 0.7, "ytick.major.width": 0.7, "axes.prop_cycle": cycler(color=COLOURS), "savefig.dpi": DPI,
-    "figure.dpi": 100, "image.cmap": SEQUENTIAL, "axes.titlelocation": "center", "mathtext.default": "it", "svg.hashsalt": "talus",
+    "font.size": 8.5,
+    "axes.titlesize": 8.5,
+    "axes.labelsize": 8.5,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "figure.titlesize": 8.5,
+    "axes.linewidth": 0.7,
+    "lines.linewidth": 1.4,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "axes.prop_cycle": cycler(color=COLOURS),
+    "savefig.dpi": DPI,
+    "figure.dpi": 100,
+    "image.cmap": SEQUENTIAL,
+    "axes.titlelocation": "center",
+    "mathtext.default": "it",
+    "svg.hashsalt": "talus",
 }
 
 
@@ -32,7 +48,7 @@ def apply():
 
 
 def settle(figure):
-    """Lays a figure out once more: the first layout does not know yet how equal axes shrink, and may cut a label off."""
+    """Lays a figure out once more: the first layout does not know how equal axes shrink, and may cut a label off."""
     figure.canvas.draw()
 
 
@@ -54,7 +70,9 @@ def name(axes, x, y, text, **options):
 def legend_below(axes, handles):
     """A legend below the axes and their label."""
     below = offset_copy(axes.transAxes, axes.figure, y=-LABEL, units="points")
-    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below, ncols=min(len(handles), 5))
+    axes.legend(
+        handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below, ncols=min(len(handles), 5)
+    )
 
 
 def material_colour(number):

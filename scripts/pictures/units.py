@@ -1,10 +1,23 @@
 """Numbers as engineers read them: units with a metric prefix, settlement in mm, time in days or years."""
+
 import re
 
 import numpy as np
 
-UNITS = {"stress": "Pa", "von_mises": "Pa", "pressure": "Pa", "displacement": "m", "position": "m", "position0": "m",
-         "volume": "m³", "mass": "kg", "velocity": "m/s", "acceleration": "m/s²", "flux": "m/s", "half_length": "m"}
+UNITS = {
+    "stress": "Pa",
+    "von_mises": "Pa",
+    "pressure": "Pa",
+    "displacement": "m",
+    "position": "m",
+    "position0": "m",
+    "volume": "m³",
+    "mass": "kg",
+    "velocity": "m/s",
+    "acceleration": "m/s²",
+    "flux": "m/s",
+    "half_length": "m",
+}
 LARGE = {"Pa": "", "N": "", "N m": "", "N/m": "", "N m/m": "", "J": ""}
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 MILLIMETRES = 0.2  # m: below it displacements are read in mm, below 1e-4 of it in µm
@@ -52,15 +65,25 @@ def column_label(column):
 
 
 COLUMNS = (
-    (r"track_(\w+)_u([xyz])", "$u_{g2}$ of {g1}", "m"), (r"track_(\w+)_v([xyz])", "$v_{g2}$ of {g1}", "m/s"),
-    (r"reaction_(\w+)_(p)", "water by {g1}", "m³"), (r"reaction_(\w+)_(\w+)", "reaction {g2} of {g1}", "N"),
-    (r"force_(\w+)_(\w+)", "force {g2} of {g1}", "N"), (r"moment_(\w+)_([xyz])", "moment {g2} of {g1}", "N m"),
-    (r"depth_(\w+)", "depth behind {g1}", "m"), (r"position_(\w+)_([xyz])", "{g2} of {g1}", "m"),
-    (r"rotation_(\w+)_([xyz])", "rotation of {g1}", "°"), (r"outflow_(\w+)", "outflow of {g1}", "m³"),
-    (r"section_(\w+)_([mt]\d?)", "{upper} of {g1}", "N m"), (r"section_(\w+)_([nv]\d?)", "{upper} of {g1}", "N"),
-    (r"profile_(\w+)_(\w+)", "mean {g2} of {g1}", "Pa"), (r"energy_(\w+)", "energy, {g1}", "J"),
-    (r"grid_(lower|upper)_([xyz])", "{g1} end of the grid, {g2}", "m"), (r"(stress)_(\w\w)", "$\\sigma_{{{g2}}}$", "Pa"),
-    (r"(strain)_(\w\w)", "$\\epsilon_{{{g2}}}$", ""), (r"([pq])", "{g1}", "Pa"), (r"reduction", "strength reduction factor", ""),
+    (r"track_(\w+)_u([xyz])", "$u_{g2}$ of {g1}", "m"),
+    (r"track_(\w+)_v([xyz])", "$v_{g2}$ of {g1}", "m/s"),
+    (r"reaction_(\w+)_(p)", "water by {g1}", "m³"),
+    (r"reaction_(\w+)_(\w+)", "reaction {g2} of {g1}", "N"),
+    (r"force_(\w+)_(\w+)", "force {g2} of {g1}", "N"),
+    (r"moment_(\w+)_([xyz])", "moment {g2} of {g1}", "N m"),
+    (r"depth_(\w+)", "depth behind {g1}", "m"),
+    (r"position_(\w+)_([xyz])", "{g2} of {g1}", "m"),
+    (r"rotation_(\w+)_([xyz])", "rotation of {g1}", "°"),
+    (r"outflow_(\w+)", "outflow of {g1}", "m³"),
+    (r"section_(\w+)_([mt]\d?)", "{upper} of {g1}", "N m"),
+    (r"section_(\w+)_([nv]\d?)", "{upper} of {g1}", "N"),
+    (r"profile_(\w+)_(\w+)", "mean {g2} of {g1}", "Pa"),
+    (r"energy_(\w+)", "energy, {g1}", "J"),
+    (r"grid_(lower|upper)_([xyz])", "{g1} end of the grid, {g2}", "m"),
+    (r"(stress)_(\w\w)", "$\\sigma_{{{g2}}}$", "Pa"),
+    (r"(strain)_(\w\w)", "$\\epsilon_{{{g2}}}$", ""),
+    (r"([pq])", "{g1}", "Pa"),
+    (r"reduction", "strength reduction factor", ""),
 )
 
 
@@ -68,7 +91,9 @@ def time_unit(scene, span):
     """Seconds of a time unit and its name: the largest of which there are more than two; "" of a pseudo-time."""
     if not scene.has_time:
         return 1.0, ""
-    return next(((one, name) for one, name in ((YEAR, "years"), (DAY, "days"), (HOUR, "hours")) if span > 2.0 * one), (1.0, "s"))
+    return next(
+        ((one, name) for one, name in ((YEAR, "years"), (DAY, "days"), (HOUR, "hours")) if span > 2.0 * one), (1.0, "s")
+    )
 
 
 def time_text(scene, time, span=None):
@@ -77,6 +102,6 @@ def time_text(scene, time, span=None):
 
 
 def is_uniform(values, size):
-    """True where a field differs from one number by rounding alone; `size` is that of the whole tensor or of the material."""
+    """True where a field differs from one number by rounding alone; `size` is that of the whole tensor."""
     values = values[np.isfinite(values)]
     return values.size == 0 or np.ptp(values) <= NOISE * max(size, largest(values))

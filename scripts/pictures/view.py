@@ -1,4 +1,5 @@
-"""An interactive picture by pyvista: the points as a surface in space, or the domains in the plane, with a slider over steps."""
+"""Results in a window, by pyvista: the surface in space, or the domains in the plane, with a slider over steps."""
+
 import numpy as np
 
 from results import ResultsError
@@ -48,7 +49,9 @@ def view(results, scene, arguments):
         state = read_points(results, steps[int(round(number))])
         mesh, owner = mesh_of(pyvista, results, scene, state)
         field = fields.read_field(state, arguments.field, arguments.component, size)
-        label = units.with_unit(" ".join(filter(None, (arguments.field.replace("_", " "), arguments.component))), field.unit)
+        label = units.with_unit(
+            " ".join(filter(None, (arguments.field.replace("_", " "), arguments.component))), field.unit
+        )
         mesh.cell_data[label] = field.values[owner]
         scale = fields.colour_scale(field.values, arguments.limits, arguments.colours)
         plotter.add_mesh(mesh, name="material", scalars=label, cmap=scale.colours, clim=(scale.low, scale.high))

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Pictures of short runs: all corners of all domains lie within the axes, and each picture looks like the one stored.
 
-The stored ones, in pictures/, are small copies that a person has looked at. Two pictures are alike when the mean colours
-of all blocks of 8 x 8 pixels are. With TALUS_PICTURES=FOLDER the pictures of this run go to that folder, small as the
+The stored ones, in pictures/, are small copies that a person has looked at. Two pictures are alike when the mean
+colours of all blocks of 8 x 8 pixels are. With TALUS_PICTURES=FOLDER the pictures of this run go to that folder, small as the
 stored ones and, in FOLDER/full, as they were drawn: look at them before they replace the stored ones.
 """
+
 import os
 import sys
 from pathlib import Path
@@ -22,22 +23,64 @@ VERIFICATION = ROOT / "tests" / "verification"
 WIDTH, BLOCK = 320, 8  # pixels, of a stored picture and of a block
 MEAN, LARGEST = 1.0, 25.0  # of 255: differences of a picture's and of one block's mean colour
 
-SHORT = {"mpm_stage_first_time_end": 4.32e4, "mpm_stage_pause_time_end": 1e6, "mpm_stage_second_time_end": 8.64e4,
-         "mpm_stage_years_time_end": 1e6, "mpm_stage_years_time_step": 1e6, "mpm_stage_pause_time_step": 1e6, "mpm_output_every": 100}
+SHORT = {
+    "mpm_stage_first_time_end": 4.32e4,
+    "mpm_stage_pause_time_end": 1e6,
+    "mpm_stage_second_time_end": 8.64e4,
+    "mpm_stage_years_time_end": 1e6,
+    "mpm_stage_years_time_step": 1e6,
+    "mpm_stage_pause_time_step": 1e6,
+    "mpm_output_every": 100,
+}
 # Name, scene, options of the run, pictures: name and words of the command line; the first is that of the last state.
 RUNS = (
     ("lift", VERIFICATION / "lift.yaml", {}, {"lift": ()}),
     ("plate", STORED / "plate.yaml", {}, {"plate": ()}),
-    ("road", STORED / "road.yaml", {}, {
-        "road": (), "road_scene": ("--scene",), "road_wall": ("--section", "wall"), "road_film": ("--steps", "4"),
-        "road_curves": ("--history", "track_crest_uy", "track_toe_ux", "reaction_base_y")}),
-    ("bank", STORED / "bank.yaml", {}, {"bank": ("--scale", "5", "--arrows"), "bank_scene": ("--scene",), "bank_body": ("--field", "body")}),
-    ("collapse", example("collapse"), {"mpm_grid_cells": "16,8", "mpm_time_step": 0.1},
-     {"collapse": ("--field", "stress", "--component", "yy", "--contours", "6"), "collapse_first": ("--step", "first")}),
-    ("slump", example("slump3d"), {"mpm_body_block_points_per_cell": "2,2,2", "mpm_time_step": 0.25},
-     {"slump": ("--field", "pressure"), "slump_slice": ("--slice", "x=0.3", "--field", "pressure")}),
-    ("discs", example("discs"), {"mpm_time_end": 2.0, "mpm_output_every": 1000}, {"discs": ("--field", "von_mises", "--arrows", "velocity")}),
-    ("cantilever", example("cantilever"), {"mpm_time_step": 0.1}, {"cantilever": ("--field", "stress", "--component", "xx")}),
+    (
+        "road",
+        STORED / "road.yaml",
+        {},
+        {
+            "road": (),
+            "road_scene": ("--scene",),
+            "road_wall": ("--section", "wall"),
+            "road_film": ("--steps", "4"),
+            "road_curves": ("--history", "track_crest_uy", "track_toe_ux", "reaction_base_y"),
+        },
+    ),
+    (
+        "bank",
+        STORED / "bank.yaml",
+        {},
+        {"bank": ("--scale", "5", "--arrows"), "bank_scene": ("--scene",), "bank_body": ("--field", "body")},
+    ),
+    (
+        "collapse",
+        example("collapse"),
+        {"mpm_grid_cells": "16,8", "mpm_time_step": 0.1},
+        {
+            "collapse": ("--field", "stress", "--component", "yy", "--contours", "6"),
+            "collapse_first": ("--step", "first"),
+        },
+    ),
+    (
+        "slump",
+        example("slump3d"),
+        {"mpm_body_block_points_per_cell": "2,2,2", "mpm_time_step": 0.25},
+        {"slump": ("--field", "pressure"), "slump_slice": ("--slice", "x=0.3", "--field", "pressure")},
+    ),
+    (
+        "discs",
+        example("discs"),
+        {"mpm_time_end": 2.0, "mpm_output_every": 1000},
+        {"discs": ("--field", "von_mises", "--arrows", "velocity")},
+    ),
+    (
+        "cantilever",
+        example("cantilever"),
+        {"mpm_time_step": 0.1},
+        {"cantilever": ("--field", "stress", "--component", "xx")},
+    ),
     ("embankment", example("embankment"), SHORT, {"embankment": ("--field", "pressure")}),
     ("seepage", example("seepage"), {"mpm_output_every": 100}, {"seepage": ("--field", "pressure")}),
     ("pipe", example("pipe"), {"mpm_time_end": 0.02}, {"pipe": ()}),
@@ -52,7 +95,11 @@ def corners_within(figure, results, words):
     scene, state = Scene(results), results.state(arguments.step)
     axes = figure.axes[0]
     limits = np.array([axes.get_xlim(), axes.get_ylim()] + ([axes.get_zlim()] if state.dim == 3 else []))
-    corners = space.space_corners(results, state, arguments) if state.dim == 3 else states.look_of(results, scene, state, arguments).domains.corners
+    corners = (
+        space.space_corners(results, state, arguments)
+        if state.dim == 3
+        else states.look_of(results, scene, state, arguments).domains.corners
+    )
     corners = corners.reshape(-1, state.dim)
     inside = min(np.min(corners - limits[:, 0]), np.min(limits[:, 1] - corners))
     return inside / np.max(np.ptp(corners, axis=0))

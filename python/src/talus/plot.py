@@ -9,6 +9,7 @@
 
 Options are those of `talus plot`, underscores for dashes: steps=6, history=["track_tip_uy"], x="load", slice="z=0.5".
 """
+
 from __future__ import annotations
 
 import subprocess
@@ -95,9 +96,17 @@ def scene(source: Scene | Mapping[str, Any] | str | Path) -> Picture:
     whole = source if isinstance(source, Scene) else Scene(source)
     with tempfile.TemporaryDirectory(prefix="talus_") as folder:
         picture = Path(folder) / "scene.png"
-        words = [str(program.find_program()), "check", str(whole.write(Path(folder) / "scene.yaml")), "--picture", str(picture)]
+        words = [
+            str(program.find_program()),
+            "check",
+            str(whole.write(Path(folder) / "scene.yaml")),
+            "--picture",
+            str(picture),
+        ]
         environment = {**program.environment(1, folder), "TALUS_PYTHON": sys.executable}
         done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
         if not picture.exists():
-            raise SceneError((done.stderr.strip().splitlines() or ["talus check drew nothing"])[-1].removeprefix("talus: error: "))
+            raise SceneError(
+                (done.stderr.strip().splitlines() or ["talus check drew nothing"])[-1].removeprefix("talus: error: ")
+            )
         return Picture(picture.read_bytes())
