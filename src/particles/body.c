@@ -102,7 +102,9 @@ static PetscErrorCode ReadBelow(const MpmOptions *block, const MpmBodies *bodies
 /* Options of bodies on a lattice, which those from a file do not have. */
 static PetscErrorCode ReadLattice(const MpmOptions *block, const MpmGrid *grid, MpmBody body)
 {
-  PetscBool fill = PETSC_FALSE, given = PETSC_FALSE;
+  static const char *const edges[] = {"centers", "cut", NULL};
+  PetscBool                fill = PETSC_FALSE, given = PETSC_FALSE;
+  PetscInt                 edge = 0;
 
   PetscFunctionBeginUser;
   if (MpmRegionGetType(body->region) == MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -117,6 +119,11 @@ static PetscErrorCode ReadLattice(const MpmOptions *block, const MpmGrid *grid, 
                            "the body replaces others where it overlaps them, unless it joins a later stage than they "
                            "do; of two such bodies the one named later",
                            &body->beside.priority, NULL));
+  PetscCall(MpmOptionsWord(block, "edge",
+                           "centers: points whose domains' centres lie in the region, with whole domains; cut: these "
+                           "points with the volume and centroid of what the region has of their domains",
+                           edges, MPM_OPTIONAL, &edge, NULL));
+  body->cut = (PetscBool)(edge == 1);
   PetscCall(ReadStress(block, grid->dim, body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -42,6 +42,7 @@ struct _p_MpmBody {
     PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
   } cells;
   MpmBodyLattice lattice;
+  PetscBool      cut; /* points have what the region has of their domains, and of those without a point beside them */
   struct {
     PetscBool priority; /* replaces others that it overlaps */
     PetscInt  before_count, winner_count;
@@ -52,3 +53,12 @@ struct _p_MpmBody {
 
 /* True where a place lies in the body's region, and in that of no body that replaces it. */
 PetscBool MpmBodyOwns(MpmBody body, const PetscReal x[]);
+/* True where the place is on an edge shared with an earlier body that has a point there. */
+PetscBool MpmBodyIsTaken(const MpmBody body, const MpmGrid *grid, const PetscReal x[]);
+/* Middle of a box of the lattice. */
+void MpmBodyBoxPlace(const MpmBody body, const MpmGrid *grid, const PetscInt at[], PetscReal x[]);
+/*
+  The material of a box of the lattice with a point, and of boxes beside it without one that is nearest to it
+  (body_edge.c): its volume, m^dim, and its centroid in place of the box's middle x.
+*/
+PetscReal MpmBodyCutBox(const MpmBody body, const MpmGrid *grid, const PetscInt at[], PetscReal x[]);

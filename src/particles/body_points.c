@@ -12,8 +12,7 @@
 #include "particles/point_mass.h"
 #include "particles/points.h"
 
-/* True where the point stands on an edge shared with an earlier body that has a point at this very place. */
-static PetscBool IsTaken(const MpmBody body, const MpmGrid *grid, const PetscReal x[])
+PetscBool MpmBodyIsTaken(const MpmBody body, const MpmGrid *grid, const PetscReal x[])
 {
   for (PetscInt b = 0; b < body->beside.before_count; b++) {
     if (MpmBodyHolds(body->beside.before[b], grid, x) == MPM_HOLD_EDGE && MpmBodyHolds(body, grid, x) == MPM_HOLD_EDGE)
@@ -36,22 +35,40 @@ static PetscReal Height(const MpmBody body, const PetscReal x[])
   return (PetscReal)body->vertical.up * x[body->vertical.axis];
 }
 
+/* A point in a box of the lattice: place, domain, volume. */
+static void FillPoint(const MpmBody body, const MpmGrid *grid, const PetscInt at[], PetscInt p, MpmPoints *points)
+{
+  const PetscInt dim    = grid->dim;
+  PetscReal      volume = 1., x[MPM_MAX_DIM] = {0., 0., 0.}, half[MPM_MAX_DIM];
+
+  MpmBodyBoxPlace(body, grid, at, x);
+  MpmBodyHalfLengths(body, grid, half);
+  for (PetscInt a = 0; a < dim; a++) volume *= grid->h[a] / (PetscReal)body->cells.per_cell[a];
+  if (body->cut) volume = MpmBodyCutBox(body, grid, at, x);
+  points->material[p] = body->material;
+  points->volume0[p]  = volume * MpmTurn(points->F_size, x[0]);
+  for (PetscInt a = 0; a < dim; a++) {
+    points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] = x[a];
+    if (points->domain.half_length) points->domain.half_length[p * dim + a] = half[a];
+    for (PetscInt b = 0; b < dim; b++) MpmPointF(points, p)[a * dim + b] = a == b ? 1. : 0.;
+  }
+  if (points->F_size > dim * dim) MpmPointF(points, p)[dim * dim] = 1.;
+}
+
 /*
   Goes through this rank's share of the body's cells; counts the points inside, and writes them from `first` on where
   points is given.
 */
 static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id, PetscInt first, MpmPoints *points)
 {
-  const PetscInt dim      = grid->dim;
-  PetscInt64     cells    = 1, begin, end;
-  PetscInt       per_cell = 1, count = 0, extent[MPM_MAX_DIM];
-  PetscReal      volume = 1., x[MPM_MAX_DIM] = {0., 0., 0.};
+  PetscInt64 cells    = 1, begin, end;
+  PetscInt   per_cell = 1, count = 0, extent[MPM_MAX_DIM];
+  PetscReal  x[MPM_MAX_DIM] = {0., 0., 0.};
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     extent[a] = body->cells.upper[a] - body->cells.lower[a];
     cells *= extent[a];
     per_cell *= body->cells.per_cell[a];
-    volume *= grid->h[a] / (PetscReal)body->cells.per_cell[a];
   }
   begin = cells * grid->rank / grid->size;
   end   = cells * (grid->rank + 1) / grid->size;
@@ -61,25 +78,14 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
 
     for (PetscInt q = 0; q < per_cell; q++) {
       const PetscInt *m = body->cells.per_cell, sub[MPM_MAX_DIM] = {q % m[0], (q / m[0]) % m[1], q / (m[0] * m[1])};
-      PetscInt        p = first + count;
+      PetscInt        at[MPM_MAX_DIM];
 
-      for (PetscInt a = 0; a < dim; a++) {
-        x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)(body->cells.lower[a] + cell[a]) +
-                                              ((PetscReal)sub[a] + 0.5) / (PetscReal)body->cells.per_cell[a]);
-      }
-      if (!MpmBodyOwns(body, x) || IsTaken(body, grid, x)) continue;
+      for (PetscInt a = 0; a < MPM_MAX_DIM; a++) at[a] = (PetscInt)cell[a] * m[a] + sub[a];
+      MpmBodyBoxPlace(body, grid, at, x);
+      if (!MpmBodyOwns(body, x) || MpmBodyIsTaken(body, grid, x)) continue;
+      if (points) FillPoint(body, grid, at, first + count, points);
+      if (points) points->id[first + count] = (PetscInt)(id + count);
       count++;
-      if (!points) continue;
-      points->id[p]       = (PetscInt)(id + count - 1);
-      points->material[p] = body->material;
-      points->volume0[p]  = volume * MpmTurn(points->F_size, x[0]);
-      for (PetscInt a = 0; a < dim; a++) {
-        points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] = x[a];
-        if (points->domain.half_length)
-          points->domain.half_length[p * dim + a] = 0.5 * grid->h[a] / (PetscReal)body->cells.per_cell[a];
-        for (PetscInt b = 0; b < dim; b++) MpmPointF(points, p)[a * dim + b] = a == b ? 1. : 0.;
-      }
-      if (points->F_size > dim * dim) MpmPointF(points, p)[dim * dim] = 1.;
     }
   }
   return count;

@@ -15,7 +15,7 @@
 #include "point/registry.h"
 #include "point/stress_inversion.h"
 #include "particles/body.h"
-#include "particles/overburden.h"
+#include "query/overburden.h"
 #include "particles/particles.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"

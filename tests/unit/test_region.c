@@ -2,6 +2,7 @@
   Regions and ramps: what they hold, what they refuse.
 */
 #include "geometry/geometry.h"
+#include "geometry/region_part.h"
 #include "options/options.h"
 #include "unit.h"
 
@@ -407,6 +408,54 @@ START_TEST(cuts)
 }
 END_TEST
 
+/* Sum of the parts in the boxes of a lattice over [0, 4]^dim, and the worst first moment about a place. */
+static void CheckParts(PetscInt dim, PetscReal volume, const PetscReal middle[], PetscReal error)
+{
+  const PetscInt  across = 7, total = dim == 2 ? across * across : across * across * across;
+  const PetscReal h      = 4. / (PetscReal)across;
+  MpmRegion       region = Create(dim);
+  PetscReal       sum = 0., moment[3] = {0., 0., 0.};
+
+  for (PetscInt k = 0; k < total; k++) {
+    const PetscInt at[3] = {k % across, k / across % across, k / (across * across)};
+    PetscReal      low[3], high[3], centroid[3], part;
+
+    for (PetscInt a = 0; a < 3; a++) {
+      low[a]  = h * (PetscReal)at[a];
+      high[a] = low[a] + h;
+    }
+    part = MpmRegionPart(region, low, high, centroid);
+    sum += part;
+    for (PetscInt a = 0; a < dim && part > 0.; a++) {
+      ck_assert(centroid[a] > low[a] - 1e-12 && centroid[a] < high[a] + 1e-12);
+      moment[a] += part * centroid[a];
+    }
+  }
+  ck_assert_double_eq_tol(sum, volume, error);
+  for (PetscInt a = 0; a < dim; a++) ck_assert_double_eq_tol(moment[a] / sum, middle[a], error);
+  Destroy(&region);
+}
+
+START_TEST(parts)
+{
+  BLOCK("region", "sphere", "center", "2.1,1.9", "radius", "1.7");
+  CheckParts(2, PETSC_PI * 1.7 * 1.7, AT(2.1, 1.9), 1e-8);
+  BLOCK("region", "sphere", "center", "2.1,1.9,2", "radius", "1.7");
+  CheckParts(3, 4. / 3. * PETSC_PI * 1.7 * 1.7 * 1.7, AT(2.1, 1.9, 2.), 1e-5);
+  BLOCK("region", "cylinder", "point", "0.5,2,1.9", "axis", "2,0,0", "radius", "1.3", "length", "3");
+  CheckParts(3, 3. * PETSC_PI * 1.3 * 1.3, AT(2., 2., 1.9), 1e-5);
+  BLOCK("region", "cylinder", "point", "1,1,2", "axis", "1,1,0", "radius", "0.9", "length", "2");
+  CheckParts(3, 2. * PETSC_PI * 0.9 * 0.9, AT(1. + sqrt(0.5), 1. + sqrt(0.5), 2.), 6e-2);
+  BLOCK("region", "polygon", "vertices", "0.3,0.2, 3.3,0.2, 3.3,2.2, 1.8,1.2, 0.3,2.2"); /* a notch: 6 - 1.5 */
+  CheckParts(2, 4.5, AT(1.8, (6. * 1.2 - 1.5 * (2.2 - 1. / 3.)) / 4.5), 1e-12);
+  BLOCK("region", "box", "lower", "0.3,0.4", "upper", "3.1,2.2", "clip_upper", "2.3,4");
+  CheckParts(2, 2. * 1.8, AT(1.3, 1.3), 1e-12);
+  BLOCK("region", "layers", "top", "0,3, 1,3, 3,1, 3,2, 4,2", "bottom", "1", "lower_z", "1", "upper_z", "2.5");
+  CheckParts(3, 1.5 * (2. + 2. + 1.),
+             AT((2. * 0.5 + 2. * (1. + 2. / 3.) + 3.5) / 5., (2. * 2. + 2. * (1. + 2. / 3.) + 1.5) / 5., 1.75), 1e-12);
+}
+END_TEST
+
 /* With -help a block may be incomplete: the manual is printed to the end. */
 START_TEST(incomplete_with_help)
 {
@@ -516,9 +565,22 @@ END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {
-    everything,      clipped, box,  box_refuses,          sphere, cylinder,         polygon,      polygon_random,
-    polygon_refuses, layers,  cuts, incomplete_with_help, ramps,  ramps_integrated, ramps_refused};
+  const TTest *const tests[] = {everything,
+                                clipped,
+                                box,
+                                box_refuses,
+                                sphere,
+                                cylinder,
+                                polygon,
+                                polygon_random,
+                                polygon_refuses,
+                                layers,
+                                cuts,
+                                parts,
+                                incomplete_with_help,
+                                ramps,
+                                ramps_integrated,
+                                ramps_refused};
 
   return UnitRun(&argc, &argv, "region", sizeof(tests) / sizeof(tests[0]), tests);
 }

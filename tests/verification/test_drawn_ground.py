@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Ground as it is drawn: bodies that replace others, and layers, against bodies drawn piece by piece, with their mass, on ranks.
+"""Ground as it is drawn: bodies that replace others, and layers, against bodies drawn piece by piece, with their mass, on ranks. Points
+at edges that cut their domains: mass and centroid of slopes, discs and spheres; Lame's thick sphere (1852) under inner pressure.
 
 Quick.
 """
@@ -59,9 +60,9 @@ SOLID = {"mpm_dim": 3, "mpm_grid_lower": "0,0,0", "mpm_grid_upper": "12,6,2", "m
          "mpm_bc_base_upper": "12,0,2", "mpm_bc_base_components": "x,y,z", "mpm_load_weight_value": "0,-10,0"}
 
 
-def write(test, bodies):
+def write(test, bodies, scene=SCENE):
     path = test.folder() / "scene.yaml"
-    path.write_text(SCENE + bodies, encoding="utf-8")
+    path.write_text(scene + bodies, encoding="utf-8")
     return path
 
 
@@ -75,7 +76,80 @@ def weight(run):
     return run.results.column("reaction_base_y")[-1]
 
 
+DISC = """mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "2,2", cells: "8,8"}
+  materials: soil
+  material_soil: {type: linear_elastic, E: 1e6, nu: 0.3, density: 1}
+  bodies: disc
+  body_disc: {region: sphere, center: "1.013,0.987", radius: 0.8, material: soil, edge: cut}
+  bcs: all
+  bc_all: {region: box, lower: "0,0", upper: "2,2", components: "x,y"}
+  time: {end: 1, step: 1}
+"""
+BALL = {"mpm_dim": 3, "mpm_grid_lower": "0,0,0", "mpm_grid_upper": "2,2,2", "mpm_grid_cells": "8,8,8",
+        "mpm_body_disc_center": "1.013,0.987,1.007", "mpm_bc_all_lower": "0,0,0", "mpm_bc_all_upper": "2,2,2",
+        "mpm_bc_all_components": "x,y,z"}
+SPHERE = """mpm:
+  dim: 2
+  kinematics: axisymmetric
+  grid: {lower: "0,0", upper: "2.25,2.25", cells: "%d,%d"}
+  shape: gimp_bspline2
+  materials: metal
+  material_metal: {type: linear_elastic, E: 1e6, nu: 0.3, density: 0}
+  bodies: ball
+  body_ball: {region: polygon, vertices: "%s", material: metal, points_per_cell: "3,3", edge: %s}
+  bcs: axis,plane
+  bc_axis: {region: box, lower: "0,0", upper: "0,3", components: "x"}
+  bc_plane: {region: box, lower: "0,0", upper: "3,0", components: "y"}
+  surfaces: hole
+  surface_hole: {body: ball, side: all, region: sphere, center: "0,0", radius: 1.3, normal: -1}
+  time: {end: 1, step: 1}
+"""
+
+
+def check_cut(test):
+    """Masses and first moments; layers share the boxes that their interface cuts."""
+    for name, options, size in (("disc", {}, np.pi * 0.8**2), ("ball", BALL, 4 / 3 * np.pi * 0.8**3)):
+        state = test.run(write(test, DISC, ""), **options).results.state("first")
+        centre = [1.013, 0.987, 1.007][:state["position"].shape[1]]
+        test.near(f"cut.{name}.volume", state["volume"].sum(), size, relative=1e-9)
+        test.check(f"cut.{name}.centroid", np.abs(state["volume"] @ state["position"] / size - centre).max(), None, 1e-9)
+    cut = {f"mpm_body_{name}_edge": "cut" for name in ("fill", "clay", "bed")}
+    run, areas = test.run(write(test, LAYERS), **cut), (12.476190476190476, 18.423809523809524, 15.600000000000001)
+    test.near("cut.layers.weight", weight(run), 10 * np.dot(areas, (1800, 1700, 2500)), relative=1e-9)
+    ranks = test.run(write(test, LAYERS), ranks=3, **cut)
+    test.check("cut.layers.ranks", difference(run.table("stress"), ranks.table("stress")), None, 1e-9)
+    wall = test.run(write(test, WALL), mpm_body_ground_edge="cut", mpm_body_wall_edge="cut", mpm_body_wall_upper="5.8,5")
+    test.near("cut.wall.weight", weight(wall), 10 * (1800 * (48 - 1.6) + 2500 * 2.4), relative=2e-3)
+
+
+def thick_sphere(test, edge, cells):
+    """Root mean square error of the radial stress between radii 1.2 and 1.8 of a sphere of 1 and 2 under a pressure of 1."""
+    angle = np.linspace(0, np.pi / 2, 101)
+    scale = np.sqrt(angle[1] / np.sin(angle[1]))  # a polygon of the circle's area
+    arc = scale * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    vertices = ",".join(f"{abs(number):.12f}" for number in np.concatenate([2 * arc, arc[::-1]]).ravel())
+    size = round(2.25 * cells)
+    state = test.run(write(test, SPHERE % (size, size, vertices, edge), "")).results.state("last")
+    (x, y), (xx, yy, _, xy) = state["position"].T, state["stress"][:, :4].T
+    radius = np.hypot(x, y)
+    radial = (x * x * xx + y * y * yy + 2 * x * y * xy) / radius**2
+    error = (radial - (1 - (2 / radius) ** 3) / 7)[(radius > 1.2) & (radius < 1.8)]
+    return np.sqrt(np.mean(error**2))
+
+
+def check_sphere(test):
+    """Order 2 in the interior, where whole domains give 1.5."""
+    whole, coarse, fine = (thick_sphere(test, *case) for case in (("centers", 8), ("cut", 4), ("cut", 8)))
+    test.check("sphere.stress", fine, None, 4e-3)
+    test.check("sphere.order", np.log2(coarse / fine), 1.6)
+    test.check("sphere.better", whole / fine, 1.3)
+
+
 with Test() as test:
+    check_cut(test)
+    check_sphere(test)
     wall, pieces = test.run(write(test, WALL)), test.run(write(test, PIECES))
     test.near("wall.weight", weight(wall), 10 * (1800 * (48 - 2) + 2500 * 3), relative=1e-9)
     test.check("wall.stress", difference(sorted_table(wall, "stress"), sorted_table(pieces, "stress")), None, 1e-9)

@@ -13,7 +13,7 @@
   pile once, by bisection.
 */
 #include "grid/grid.h"
-#include "particles/overburden.h"
+#include "query/overburden.h"
 #include "particles/points.h"
 
 /* A domain, or the part of it in one column: horizontal extent, centre's height and half height, weight per volume. */
