@@ -1,19 +1,21 @@
 #!/usr/bin/env python3
 """Builds the site of documents with Sphinx: scripts/make_site.py [PROGRAM [FOLDER [THEME]]].
 
-By default build/talus, build/site and furo. The theme basic takes half the time, for a check.
+By default build/talus, build/site and furo. With the theme basic, for a check, notebooks are not run and pages made in half the time.
 
 FOLDER/source gets what the site is made of, FOLDER/html the site. Sources are the pages of PAGES with what they link to, and pages
 that are made here: a front page from docs/README.md, whose sections become the contents; the reference of options from `talus
 -help=json`; the gallery from the examples' first paragraphs and pictures; notebooks. A warning of Sphinx is an error, and so is a
 link to a page, a heading or a file that is not there.
 """
+import base64
 import json
 import os
 import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote
@@ -62,6 +64,8 @@ def settle_links(text, page, source, pages):
             return f"{picture}[{label}]({target})"
         name = Path(os.path.normpath(page.parent / path))
         place = ROOT / name
+        if (source / name).exists() and not place.exists():  # made for the site
+            return match.group()
         if name not in pages and not place.exists():
             sys.exit(f"site: {page}: no such file: {target}")
         if name == Path("docs/README.md"):
@@ -85,12 +89,34 @@ def copy_file(place, target):
     shutil.copy(place, target)
 
 
-def notebook_text(place):
-    """A notebook as a page: text as it is, code in blocks, and what outputs are stored."""
-    parts = []
-    for cell in json.loads(place.read_text(encoding="utf-8"))["cells"]:
-        content = "".join(cell["source"])
-        parts.append(content if cell["cell_type"] == "markdown" else f"```python\n{content}\n```")
+def run_notebook(book, program):
+    """Runs the cells of a notebook in a folder that is gone afterwards."""
+    from nbclient import NotebookClient
+    os.environ.update(TALUS=str(program), PYTHONPATH=str(ROOT / "python" / "src"), PYDEVD_DISABLE_FILE_VALIDATION="1")
+    with tempfile.TemporaryDirectory() as folder:
+        NotebookClient(book, timeout=600, kernel_name="python3", resources={"metadata": {"path": folder}}).execute()
+
+
+def write_output(output, picture):
+    """What a cell has printed, returned or drawn; a picture goes into a file."""
+    data = output.get("data", {"text/plain": output.get("text", "")})
+    if "image/png" in data:
+        picture.parent.mkdir(parents=True, exist_ok=True)
+        picture.write_bytes(base64.b64decode(data["image/png"]))
+        return f"![Output of the cell above]({picture.name})"
+    return f"```text\n{''.join(data.get('text/plain', ''))}\n```"
+
+
+def notebook_text(place, target, program):
+    """A notebook as a page: text as it is, code in blocks, and its outputs where there is a program to run it with."""
+    import nbformat
+    book, parts = nbformat.read(place, 4), []
+    if program:
+        run_notebook(book, program)
+    for number, cell in enumerate(book.cells):
+        parts.append(cell.source if cell.cell_type == "markdown" else f"```python\n{cell.source}\n```")
+        parts += [write_output(output, target.with_name(f"{place.stem}-{number}-{k}.png"))
+                  for k, output in enumerate(cell.get("outputs", ()))]
     return "\n\n".join(parts) + f"\n\nThe notebook itself: [{place.name}]({place.name})\n"
 
 
@@ -160,11 +186,11 @@ def bounds(option):
 
 
 def option_table(options):
-    rows = ["| option | unit | default | values | |", "|---|---|---|---|---|"]
+    rows = ["| option | meaning |", "|---|---|"]
     for option in options:
-        default = "required" if option["required"] else option["default"]
-        rows.append(f"| `-{option['option']}` | {cell(option['unit'] or '')} | {'' if default is None else cell(default)} | "
-                    f"{bounds(option)} | {cell(option['help'])} |")
+        default = "required" if option["required"] else f"default {option['default']}" if option["default"] is not None else ""
+        facts = "; ".join(fact for fact in (cell(option["unit"] or ""), bounds(option), cell(default)) if fact)
+        rows.append(f"| `-{option['option']}` | {cell(option['help'])}{f' ({facts})' if facts else ''} |")
     return "\n".join(rows)
 
 
@@ -186,7 +212,7 @@ def reference(program):
 
 # ---- the site ----
 
-def write_sources(program, source):
+def write_sources(program, source, with_outputs):
     """Writes all pages; returns their number."""
     pages = {path.relative_to(ROOT) for glob in PAGES for path in ROOT.glob(glob)} - {Path("docs/README.md")}
     index = (ROOT / "docs" / "README.md").read_text(encoding="utf-8")
@@ -195,7 +221,8 @@ def write_sources(program, source):
     pages |= set(texts)
     for page in pages - set(texts):
         place = ROOT / page
-        texts[page] = notebook_text(place) if page.suffix == ".ipynb" else place.read_text(encoding="utf-8")
+        texts[page] = (notebook_text(place, source / page, program if with_outputs else None) if page.suffix == ".ipynb"
+                       else place.read_text(encoding="utf-8"))
     for page, text in texts.items():
         target = source / page.with_suffix(".md")
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -236,7 +263,7 @@ def main():
     source, html = Path(folder) / "source", Path(folder) / "html"
     for place in (source, html):
         shutil.rmtree(place, ignore_errors=True)
-    count = write_sources(Path(program).resolve(), source)
+    count = write_sources(Path(program).resolve(), source, theme == "furo")
     built = subprocess.run([sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-D", f"html_theme={theme}", "-b", "html",
                             "-d", str(Path(folder) / "trees"), str(source), str(html)], check=False)
     if built.returncode:
