@@ -69,10 +69,16 @@ static int CompareFacets(const void *a, const void *b)
   return f->key.slice < g->key.slice ? -1 : f->key.slice > g->key.slice;
 }
 
+/* True where both are slices of a point that face one flat side of the boundary. */
+static PetscBool AreOfOnePoint(const MpmFacet *f, const MpmFacet *g)
+{
+  return (PetscBool)(f->point == g->point && f->facing && g->facing);
+}
+
 static PetscBool InOnePatch(const MpmFacet *f, const MpmFacet *g)
 {
   return (PetscBool)(f->boundary == g->boundary && f->key.cell == g->key.cell && f->key.corner == g->key.corner &&
-                     f->key.side == g->key.side && !f->key.round && !f->key.single);
+                     f->key.side == g->key.side && !f->key.round && (!f->key.single || AreOfOnePoint(f, g)));
 }
 
 /* Widens a box of nodes to hold a group's; an empty box has no nodes. */

@@ -19,7 +19,7 @@
 static void InitialPlace(PetscInt dim, const MpmPoints *points, PetscInt p, PetscInt face, PetscReal at[])
 {
   for (PetscInt a = 0; a < dim; a++) at[a] = points->origin[p * dim + a];
-  at[face / 2] += (face % 2 ? 1. : -1.) * points->domain.half_length[p * dim + face / 2];
+  at[face / 2] += (face % 2 ? 1. : -1.) * points->domain.drawn[p * dim + face / 2];
 }
 
 /* True where a face of the lattice is parallel to a surface: then it is no step where the surface cut the lattice. */
@@ -49,7 +49,7 @@ PetscErrorCode MpmFacetsFindCuts(MpmFacets *facets, const MpmGrid *grid, const M
       InitialPlace(dim, points, p, face, at);
       MpmBoundaryDistance(boundary, &still, at, &surface);
       if (Aligned(surface.normal, face)) continue;
-      if (surface.distance < -CUT * points->domain.half_length[p * dim + face / 2])
+      if (surface.distance < -CUT * points->domain.drawn[p * dim + face / 2])
         facets->cut[k / points->count] = PETSC_TRUE;
     }
   }
@@ -69,7 +69,7 @@ PetscBool MpmFaceTouchedAtStart(const MpmFacets *facets, PetscInt b, const MpmPo
   const MpmBoundary *boundary = &facets->boundaries[b];
   const MpmPose      still    = {.growth = 0.};
   const PetscInt     dim = boundary->dim, axis = face / 2;
-  const PetscReal    sign = face % 2 ? 1. : -1., half = points->domain.half_length[p * dim + axis];
+  const PetscReal    sign = face % 2 ? 1. : -1., half = points->domain.drawn[p * dim + axis];
   PetscReal          at[MPM_MAX_DIM], unused[MPM_MAX_DIM];
   MpmSurface         surface, beyond;
   PetscBool          aligned;
@@ -78,7 +78,9 @@ PetscBool MpmFaceTouchedAtStart(const MpmFacets *facets, PetscInt b, const MpmPo
   MpmBoundaryDistance(boundary, &still, at, &surface);
   aligned  = Aligned(surface.normal, face);
   *touches = surface.distance;
-  if (!aligned) *touches *= MpmOuterNormal(dim, MpmPointF(points, p), surface.normal, unused);
+  if (!aligned)
+    *touches *=
+      MpmOuterNormal(dim, MpmPointF(points, p), surface.normal, unused) * MpmPointReference(points, dim, p, axis);
   if (surface.distance <= 0.) return PETSC_TRUE;
   if (aligned) {
     const MpmBody body = surface.distance > HAIR * half && surface.distance < 2. * half
@@ -115,7 +117,7 @@ PetscErrorCode MpmFacetsFindDrawn(MpmFacets *facets, PetscInt b, const MpmGrid *
       continue;
     MpmOuterFace(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], face / 2, face % 2, arm, area);
     for (PetscInt a = 0; a < dim; a++) square += PetscSqr(area[a]);
-    for (PetscInt a = 0; a < dim; a++) start *= a == face / 2 ? 1. : 2. * points->domain.half_length[p * dim + a];
+    for (PetscInt a = 0; a < dim; a++) start *= a == face / 2 ? 1. : 2. * points->domain.drawn[p * dim + a];
     drawn = (PetscBool)(PetscSqrtReal(square) > DRAWN * start || PetscSqrtReal(square) < start / DRAWN);
   }
   PetscCall(MPIU_Allreduce(&drawn, &facets->drawn[b], 1, MPM_MPI_BOOL, MPI_LOR, grid->comm));

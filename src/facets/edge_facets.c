@@ -7,7 +7,10 @@
   facet with an edge no farther than a cell is therefore a patch by itself.
 
   As a whole a face would go from the base to the side when its middle passes the edge, with a jump in force, and the
-  bearing width would be known to half a face only. A face that meets an edge is cut into slices, a facet each.
+  bearing width would be known to half a face only. A face that meets an edge is cut into slices, a facet each. Those of
+  a point that face one flat side are one patch, as the whole face would be: alone, the slice that a turned face pushes
+  in furthest would carry the load, and contact would change with every step. Slices that come round the edge touch one
+  by one.
 
   Not so where a boundary is bilateral, which fixes the faces that touched at the start, or cut the lattice of points,
   whose faces are steps.

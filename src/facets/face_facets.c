@@ -11,9 +11,11 @@
 #include "particles/points.h"
 #include "facets/facets.h"
 
-#define FACING 0.2  /* cosine between the normals of a surface and of a face that meets it with an edge */
-#define ASKEW  0.1  /* cosine at which a face that looks past the surface counts by half */
-#define NUDGE  1e-3 /* of a cell: so far before a surface lies the cell beside it */
+#define FACING 0.2 /* cosine between the normals of a surface and of a face that meets it with an edge */
+#define FACING_SIDE \
+  0.7 /* cosine, at least, between the normal of a face before any deformation and that of the side that it faces */
+#define ASKEW 0.1  /* cosine at which a face that looks past the surface counts by half */
+#define NUDGE 1e-3 /* of a cell: so far before a surface lies the cell beside it */
 
 /* Faces of a point that meet a boundary from two sides or more: its edge or corner stands out. */
 typedef struct {
@@ -96,13 +98,22 @@ static void FaceSides(PetscInt dim, const MpmPoints *points, PetscInt p, PetscIn
   }
 }
 
-/* A face that meets an edge of the boundary, in slices of this area; they touch where the face does. */
-static PetscErrorCode SlicesOfFace(MpmFacets *facets, PetscReal margin, PetscReal (*sides)[MPM_MAX_DIM], PetscInt count,
-                                   const PetscReal area[], const MpmFacet *whole)
+/* A face of a point, with its number, its sides, its outward area, and the square of that. */
+typedef struct {
+  PetscInt   number;
+  PetscReal  arm[MPM_MAX_DIM], area[MPM_MAX_DIM], sides[MPM_MAX_DIM - 1][MPM_MAX_DIM], square;
+  MpmSurface surface;
+} Face;
+
+/* A face that meets an edge of the boundary, in slices of its area; they touch where the face does. */
+static PetscErrorCode SlicesOfFace(MpmFacets *facets, PetscReal margin, PetscInt count, Face *face,
+                                   const MpmFacet *whole)
 {
-  const PetscInt dim = facets->boundaries[whole->boundary].dim;
+  const PetscInt dim               = facets->boundaries[whole->boundary].dim;
+  PetscReal      area[MPM_MAX_DIM] = {0., 0., 0.};
 
   PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < dim; a++) area[a] = face->area[a] / (PetscReal)count;
   for (PetscInt k = 0; k < count; k++) {
     MpmFacet   slice  = *whole;
     PetscReal  square = 0.;
@@ -110,7 +121,7 @@ static PetscErrorCode SlicesOfFace(MpmFacets *facets, PetscReal margin, PetscRea
 
     slice.key.slice = 1 + k;
     slice.area      = 0.;
-    MpmFacetSlicePlace(dim, sides, &slice);
+    MpmFacetSlicePlace(dim, face->sides, &slice);
     MpmFacetStartDistance(facets, area, &slice, &surface);
     for (PetscInt a = 0; a < dim; a++) {
       slice.normal[a] = surface.normal[a];
@@ -118,6 +129,8 @@ static PetscErrorCode SlicesOfFace(MpmFacets *facets, PetscReal margin, PetscRea
       square += PetscSqr(area[a]);
     }
     if (!(slice.area > 0.) || surface.distance > margin) continue;
+    slice.facing =
+      (PetscBool)(slice.key.side && (face->number % 2 ? -1. : 1.) * slice.normal[face->number / 2] > FACING_SIDE);
     RegardFacet(facets, square, &slice);
     PetscCall(MpmFacetsAdd(facets, &slice));
   }
@@ -134,17 +147,12 @@ static void AddToCorner(PetscInt dim, const PetscReal arm[], const PetscReal out
   }
 }
 
-/* A face of a point, with its sides, its outward area, and the square of that. */
-typedef struct {
-  PetscReal  arm[MPM_MAX_DIM], area[MPM_MAX_DIM], sides[MPM_MAX_DIM - 1][MPM_MAX_DIM], square;
-  MpmSurface surface;
-} Face;
-
 /* Puts a face of the facet's point into the facet. */
 static void PlaceFace(const MpmFacets *facets, const MpmPoints *points, PetscInt number, MpmFacet *facet, Face *face)
 {
   const PetscInt dim = facets->boundaries[facet->boundary].dim, p = facet->point;
 
+  face->number = number;
   face->square = 0.;
   MpmOuterFace(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], number / 2, number % 2, face->arm,
                face->area);
@@ -164,8 +172,7 @@ static PetscErrorCode AddFace(MpmFacets *facets, PetscReal margin, const MpmGrid
 {
   PetscFunctionBeginUser;
   if (slices) {
-    for (PetscInt a = 0; a < grid->dim; a++) face->area[a] /= (PetscReal)slices;
-    PetscCall(SlicesOfFace(facets, margin, face->sides, slices, face->area, facet));
+    PetscCall(SlicesOfFace(facets, margin, slices, face, facet));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   facet->key.cell = PatchCell(facets, grid, points, facet, face->arm, &face->surface);
@@ -198,7 +205,7 @@ PetscErrorCode MpmFacetsAddFaces(MpmFacets *facets, PetscReal margin, const MpmG
     if (!(facet.area > 0.) && !slices) continue;
     if (facet.area > FACING * PetscSqrtReal(face.square)) {
       AddToCorner(dim, face.arm, face.area, facet.area, &corner);
-      corner.initial[number / 2] = (number % 2 ? 1. : -1.) * points->domain.half_length[p * dim + number / 2];
+      corner.initial[number / 2] = (number % 2 ? 1. : -1.) * points->domain.drawn[p * dim + number / 2];
     }
     if (!bilateral && face.surface.distance > margin) continue;
     touched = MpmFaceTouchedAtStart(facets, b, points, p, number, &kept[count]);

@@ -38,7 +38,7 @@
 /* The round region whose surface took the next point of the lattice beyond a face, or NULL. */
 static MpmRegion RegionBeyond(const MpmFacets *facets, const MpmPoints *points, PetscInt dim, PetscInt p, PetscInt face)
 {
-  const PetscReal *half   = &points->domain.half_length[p * dim];
+  const PetscReal *half   = &points->domain.drawn[p * dim];
   const PetscReal  size   = half[face / 2];
   const MpmBody    body   = MpmBodyOfPoint(facets->shaped, points->id[p]);
   const MpmRegion  region = body ? MpmBodyRound(body) : NULL;
@@ -70,15 +70,15 @@ static void PlaceSite(MpmRegion region, const MpmPoints *points, PetscInt dim, P
                       Site *site)
 {
   const PetscInt   p = facet->point;
-  const PetscReal *F = MpmPointF(points, p), *half = &points->domain.half_length[p * dim];
+  const PetscReal *F = MpmPointF(points, p), *drawn = &points->domain.drawn[p * dim];
   PetscReal        arm[MPM_MAX_DIM], area[MPM_MAX_DIM], N[MPM_MAX_DIM], seen = 0., share = 1.;
 
-  MpmOuterFace(dim, F, half, face / 2, face % 2, arm, area);
+  MpmOuterFace(dim, F, &points->domain.half_length[p * dim], face / 2, face % 2, arm, area);
   for (PetscInt a = 0, k = site->k; a < dim; a++) {
     site->at[a] = points->origin[p * dim + a];
-    if (a == face / 2) site->at[a] += (face % 2 ? 1. : -1.) * half[a];
+    if (a == face / 2) site->at[a] += (face % 2 ? 1. : -1.) * drawn[a];
     else {
-      site->at[a] += half[a] * ((PetscReal)(2 * (k % site->of) + 1) / (PetscReal)site->of - 1.);
+      site->at[a] += drawn[a] * ((PetscReal)(2 * (k % site->of) + 1) / (PetscReal)site->of - 1.);
       share /= (PetscReal)site->of;
       k /= site->of;
     }
@@ -87,7 +87,9 @@ static void PlaceSite(MpmRegion region, const MpmPoints *points, PetscInt dim, P
   (void)MpmOuterNormal(dim, F, N, site->outward);
   for (PetscInt a = 0; a < dim; a++) {
     facet->place[a] = points->x[p * dim + a];
-    for (PetscInt c = 0; c < dim; c++) facet->place[a] += F[a * dim + c] * (site->at[c] - points->origin[p * dim + c]);
+    for (PetscInt c = 0; c < dim; c++)
+      facet->place[a] +=
+        F[a * dim + c] * (site->at[c] - points->origin[p * dim + c]) * MpmPointReference(points, dim, p, c);
     seen += share * area[a] * site->outward[a];
     facet->arm[a] = MpmRegionRadius(region) * site->outward[a];
   }

@@ -324,6 +324,7 @@ PetscErrorCode MpmPointFieldsCreate(MpmModel model)
                          .own_size     = model->disc.layout->own.size,
                          .rates        = model->disc.layout->rate.count,
                          .half_length  = HasDomains(model, faces),
+                         .drawn        = (PetscBool)(faces && HasMass(model)),
                          .increment    = model->state.predict,
                          .faces        = faces,
                          .part         = parts,

@@ -55,13 +55,13 @@ static void SetSurface(PetscInt dim, const MpmBodies *bodies, const MpmPoints *p
   for (PetscInt a = 0; a < dim; a++) facet->look[a] = facet->area[a] / size;
   facet->seen = known > 0. ? 0. : size;
   if (body && !(known > 0.)) {
-    const PetscReal half   = points->domain.half_length[p * dim + face / 2];
+    const PetscReal half   = points->domain.drawn[p * dim + face / 2];
     const PetscReal excess = MpmBodyExcess(body, &points->origin[p * dim], face / 2, face % 2, half);
 
     for (PetscInt a = 0; a < dim; a++) facet->place[a] += excess * facet->look[a];
   }
-  if (!(along > 0. && depth < 2. * SLACK * along * points->domain.half_length[p * dim + face / 2])) return;
-  stretch       = MpmOuterNormal(dim, MpmPointF(points, p), N, facet->look);
+  if (!(along > 0. && depth < 2. * SLACK * along * points->domain.drawn[p * dim + face / 2])) return;
+  stretch = MpmOuterNormal(dim, MpmPointF(points, p), N, facet->look) * MpmPointReference(points, dim, p, face / 2);
   facet->placed = 1;
   for (PetscInt a = 0; a < dim; a++) {
     facet->seen += facet->area[a] * facet->look[a];

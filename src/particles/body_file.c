@@ -266,7 +266,7 @@ static void TakeGeometry(const MpmImported imported, PetscInt dim, PetscReal den
 {
   const Quantity *quantity = imported->quantity;
   const PetscReal volume   = quantity[VOLUME].value[row];
-  PetscReal      *F        = MpmPointF(points, p);
+  PetscReal      *F        = MpmPointF(points, p), U[MPM_MAX_DIM];
 
   for (PetscInt a = 0; a < dim; a++) {
     points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] =
@@ -282,6 +282,8 @@ static void TakeGeometry(const MpmImported imported, PetscInt dim, PetscReal den
     points->domain.half_length[p * dim + a] =
       quantity[HALF_LENGTH].value ? quantity[HALF_LENGTH].value[row * dim + a]
                                   : 0.5 * PetscPowReal(MpmPointExtent(points, dim, p), 1. / (PetscReal)dim);
+  if (points->domain.drawn == points->domain.half_length || MpmStretchFind(dim)(F, U)) return;
+  for (PetscInt a = 0; a < dim; a++) points->domain.drawn[p * dim + a] = points->domain.half_length[p * dim + a] * U[a];
 }
 
 /*

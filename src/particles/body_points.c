@@ -49,7 +49,8 @@ static void FillPoint(const MpmBody body, const MpmGrid *grid, const PetscInt at
   points->volume0[p]  = volume * MpmTurn(points->F_size, x[0]);
   for (PetscInt a = 0; a < dim; a++) {
     points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] = x[a];
-    if (points->domain.half_length) points->domain.half_length[p * dim + a] = half[a];
+    if (points->domain.half_length)
+      points->domain.half_length[p * dim + a] = points->domain.drawn[p * dim + a] = half[a];
     for (PetscInt b = 0; b < dim; b++) MpmPointF(points, p)[a * dim + b] = a == b ? 1. : 0.;
   }
   if (points->F_size > dim * dim) MpmPointF(points, p)[dim * dim] = 1.;

@@ -91,6 +91,7 @@ static void MakeHalf(const MpmGrid *grid, const MpmPoints *points, PetscInt p, P
   points->x0[p * dim + axis] += by;
   if (points->origin != points->x0) points->origin[p * dim + axis] += by;
   points->domain.half_length[p * dim + axis] *= 0.5;
+  if (points->domain.drawn != points->domain.half_length) points->domain.drawn[p * dim + axis] *= 0.5;
   points->domain.divisions[p] += 1 << (MPM_DIVISION_BITS * axis);
   if (points->domain.cut) points->domain.cut[p * (dim + 1) + dim] -= by * points->domain.cut[p * (dim + 1) + axis];
   if (points->domain.faces)

@@ -40,6 +40,7 @@ static PetscErrorCode RegisterFields(const MpmGrid *grid, const MpmParticleField
     {"mass", particles->has_mass, 1, PETSC_REAL},
     {"across", fields->across, 1, PETSC_REAL},
     {"half_length", fields->half_length, dim, PETSC_REAL},
+    {"drawn", fields->drawn, dim, PETSC_REAL},
     {"faces", fields->faces, 1, PETSC_INT},
     {"divisions", fields->divisions, 1, PETSC_INT},
     {"part", fields->part, 1, PETSC_INT},
@@ -160,15 +161,17 @@ static PetscErrorCode Hold(MpmParticles *particles)
   points->mass               = HeldArray(particles, "mass");
   points->across             = HeldArray(particles, "across");
   points->domain.half_length = HeldArray(particles, "half_length");
-  points->state              = HeldArray(particles, "state");
-  points->parameter          = HeldArray(particles, "parameter");
-  points->physics.own        = HeldArray(particles, "own");
-  points->motion.increment   = HeldArray(particles, "increment");
-  points->domain.faces       = HeldArray(particles, "faces");
-  points->domain.divisions   = HeldArray(particles, "divisions");
-  points->domain.part        = HeldArray(particles, "part");
-  points->domain.cut         = HeldArray(particles, "cut");
-  points->physics.value      = HeldArray(particles, "value");
+  points->domain.drawn =
+    MpmParticlesHaveField(particles, "drawn") ? HeldArray(particles, "drawn") : points->domain.half_length;
+  points->state                  = HeldArray(particles, "state");
+  points->parameter              = HeldArray(particles, "parameter");
+  points->physics.own            = HeldArray(particles, "own");
+  points->motion.increment       = HeldArray(particles, "increment");
+  points->domain.faces           = HeldArray(particles, "faces");
+  points->domain.divisions       = HeldArray(particles, "divisions");
+  points->domain.part            = HeldArray(particles, "part");
+  points->domain.cut             = HeldArray(particles, "cut");
+  points->physics.value          = HeldArray(particles, "value");
   points->physics.value_gradient = HeldArray(particles, "value_gradient");
   points->motion.velocity        = HeldArray(particles, "velocity");
   points->motion.affine          = HeldArray(particles, "affine");

@@ -39,7 +39,7 @@ typedef struct MpmParked {
 /* Optional fields of the points. */
 typedef struct {
   PetscInt  state_size, own_size, rates, parameters;
-  PetscBool half_length, increment, faces, part, velocity, affine, acceleration, divisions, origin, across;
+  PetscBool half_length, increment, faces, part, velocity, affine, acceleration, divisions, origin, across, drawn;
   PetscInt  extra_count, shared; /* fields of one number a point, by name; so many of them, the first, are shared */
   const char *const *extra;
 } MpmParticleFields;

@@ -19,9 +19,10 @@ typedef struct MpmPoints {
   PetscReal *F;      /* dim x dim, row-major, and with axial symmetry the hoop component */
   struct {
     PetscReal *half_length; /* of the initial domain, m; shapes with a domain and tractions only */
-    PetscInt  *faces;       /* bits of those that bound the material (outer_faces.h); with boundaries only */
-    PetscInt  *divisions;   /* how often it has been divided across each axis, MPM_DIVISION_BITS each; or NULL */
-    PetscInt  *part;        /* of the material; parts have nodes of their own. With more parts than one only */
+    PetscReal *drawn;     /* half the domain's lengths at the start, m: half_length, unless an initial stress is an F */
+    PetscInt  *faces;     /* bits of those that bound the material (outer_faces.h); with boundaries only */
+    PetscInt  *divisions; /* how often it has been divided across each axis, MPM_DIVISION_BITS each; or NULL */
+    PetscInt  *part;      /* of the material; parts have nodes of their own. With more parts than one only */
     PetscReal *cut; /* at the start: normal of the surface that cut the lattice of points there, and depth below it, m;
                        or zeros. With more parts than one only */
   } domain;
@@ -72,6 +73,11 @@ static inline PetscInt MpmPointDivisions(const MpmPoints *points, PetscInt p, Pe
 static inline PetscReal MpmPointHalfWhole(const MpmPoints *points, PetscInt dim, PetscInt p, PetscInt axis)
 {
   return points->domain.half_length[p * dim + axis] * (PetscReal)(1 << MpmPointDivisions(points, p, axis));
+}
+/* A length along an axis in the state that F deforms, over that at the start: of points with domains. */
+static inline PetscReal MpmPointReference(const MpmPoints *points, PetscInt dim, PetscInt p, PetscInt axis)
+{
+  return points->domain.half_length[p * dim + axis] / points->domain.drawn[p * dim + axis];
 }
 
 /*

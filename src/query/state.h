@@ -38,6 +38,7 @@ typedef struct {
 typedef struct {
   PetscReal  ways, forces;    /* sums over the stage's steps: longest displacements, m, and driving forces, N */
   PetscReal  force, dt;       /* N, s: those of the solution at hand */
+  PetscReal  driven;          /* m, the longest prescribed displacement in it */
   PetscReal  ratio;           /* of the last step: its way by force over that of the stage before */
   PetscReal  steady[3];       /* sums over steps in proportion: longest displacements, m, forces, N, and lengths, s */
   PetscReal  slid;            /* m, sum over the last steps in a row that were far out of proportion */

@@ -26,6 +26,7 @@ typedef struct {
   PetscReal distance;                                                   /* at the step's start */
   PetscReal area;                                                       /* projected on the boundary, m^(dim-1) */
   PetscBool askew;   /* nearly perpendicular to the boundary; its area is faded out */
+  PetscBool facing;  /* slice at the flat side that its face looked at before any deformation */
   PetscInt  piece;   /* index + 1 of the surface piece, 0: none */
   PetscReal portion; /* fraction of the piece's area; of round and single facets, of the touching area of its point */
   PetscReal touches; /* distance at which it touches, m: not 0 where the lattice of points was cut by the surface */

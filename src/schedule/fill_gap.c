@@ -230,6 +230,7 @@ static PetscErrorCode Grow(MpmModel model, PetscInt body, MpmPoints *points, Col
       points->volume0[p] *= 1. + gap / s;
       if (points->mass) points->mass[p] *= 1. + gap / s;
       if (points->domain.half_length) points->domain.half_length[p * dim + axis] += 0.5 * gap;
+      if (points->domain.drawn != points->domain.half_length) points->domain.drawn[p * dim + axis] += 0.5 * gap;
       points->x[p * dim + axis] -= 0.5 * gap * (PetscReal)columns->up;
       points->x0[p * dim + axis] = points->origin[p * dim + axis] = points->x[p * dim + axis];
     }
@@ -261,7 +262,8 @@ static void Place(MpmModel model, PetscInt body, const Columns *columns, const P
     points->volume0[q]                                          = amount[2 * i] * height / s;
     if (points->mass) points->mass[p] = amount[2 * i + 1];
     if (points->mass) points->mass[q] = amount[2 * i + 1] * height / s;
-    if (points->domain.half_length) points->domain.half_length[q * dim + axis] = 0.5 * height;
+    if (points->domain.half_length)
+      points->domain.drawn[q * dim + axis] = points->domain.half_length[q * dim + axis] = 0.5 * height;
     for (PetscInt a = 0; points->domain.cut && a <= dim; a++) points->domain.cut[q * (dim + 1) + a] = 0.;
   }
 }

@@ -2,8 +2,9 @@
   Loss of equilibrium in steps without inertia.
 
   Where ground loses its equilibrium a solution is a jump: it lies so much further on that the ground has come to rest
-  in another shape, however short the step is. A solution is suspected where a point moves by more than JUMP_WAY
-  cells, and by more than JUMP_RATIO times as much, for the forces that drive the step, as in the stage so far:
+  in another shape, however short the step is. A solution is suspected where a point moves by JUMP_WAY cells more than
+  any condition, motion or boundary prescribes in the step, and by more than JUMP_RATIO times as much, for the forces
+  that drive the step, as in the stage so far:
 
     C = max |u_p| / |f_ext(t + dt) - f_int(t)| ,    C > JUMP_RATIO sum max |u_p| / sum |f_ext(t + dt) - f_int(t)|
 
@@ -18,7 +19,7 @@
   so, a mechanism by hundreds. A slide therefore begins with a step that is FAR_RATIO times out of proportion to those
   that were in proportion. The slide lasts while steps are JUMP_RATIO times out of proportion by their forces or by
   their lengths: as points move over the grid a step starts out of balance, by much more than a short step's loads. The
-  run ends before the slide is longer than JUMP_WAY cells.
+  run ends before the slide, without its prescribed part, is longer than JUMP_WAY cells.
 
   A stage that seeks a factor of safety, or has found one, slides as it should, and relaxations in place of a step do
   so, too.
@@ -28,9 +29,12 @@
 */
 #include "point/material.h"
 #include "grid/grid.h"
+#include "geometry/pose.h"
 #include "particles/body.h"
 #include "particles/points.h"
 #include "space/sum.h"
+#include "bc/bc.h"
+#include "rigid/rigid.h"
 #include "assembly/terms.h"
 #include "query/model.h"
 #include "query/query.h"
@@ -89,6 +93,39 @@ static PetscErrorCode FindLongest(MpmModel model, PetscReal *way)
   for (PetscInt i = 0; i < MpmNodesOwned(&model->disc); i++)
     for (PetscInt a = 0; a < model->disc.dim; a++) *way = PetscMax(*way, PetscAbsReal(model->disc.nodal.u[i * bs + a]));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, way, 1, MPIU_REAL, MPIU_MAX, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The longest displacement, m, that conditions, motions of bodies and translations of boundaries prescribe in the step.
+  Material that is dragged along under a constant force moves so far on purpose.
+*/
+static PetscErrorCode FindDriven(MpmModel model, PetscReal next, PetscReal *driven)
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const MpmBoundaries  *boundaries  = model->scene.boundaries;
+  const PetscInt        bs = model->disc.block, dim = model->disc.dim;
+  const PetscReal       start = model->state.time;
+
+  PetscFunctionBeginUser;
+  *driven = 0.;
+  for (PetscInt i = 0; i < MpmNodesOwned(&model->disc); i++) {
+    PetscReal square = 0.;
+
+    for (PetscInt k = i * bs; k < i * bs + dim; k++)
+      if (constraints->condition[k] >= 0) square += PetscSqr(constraints->value[k]);
+    *driven = PetscMax(*driven, PetscSqrtReal(square));
+  }
+  for (PetscInt b = 0; b < boundaries->count; b++) {
+    const MpmPose after  = MpmBoundaryPose(&boundaries->at[b], next);
+    MpmPose       before = {.growth = 0.};
+    PetscReal     square = 0.;
+
+    if (start > 0.) before = MpmBoundaryPose(&boundaries->at[b], start);
+    for (PetscInt a = 0; a < dim; a++) square += PetscSqr(after.translation[a] - before.translation[a]);
+    *driven = PetscMax(*driven, PetscSqrtReal(square));
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, driven, 1, MPIU_REAL, MPIU_MAX, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -177,7 +214,7 @@ static PetscBool GoesOn(const MpmSlide *slide)
 static PetscErrorCode LookAtSum(MpmModel model, MpmOutcome *outcome)
 {
   MpmSlide       *slide = &model->state.scheme.slide;
-  const PetscReal most  = JUMP_WAY * model->disc.grid->h[0];
+  const PetscReal most  = JUMP_WAY * model->disc.grid->h[0] + slide->driven;
   MpmFastest      sum;
 
   PetscFunctionBeginUser;
@@ -200,7 +237,7 @@ static PetscErrorCode LookAtJump(MpmModel model, PetscReal next, MpmOutcome *out
   PetscFunctionBeginUser;
   if (!(slide->ways > 0.) || slide->now.way * slide->forces <= most) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindFastest(model, &slide->now));
-  if (slide->now.way <= JUMP_WAY * model->disc.grid->h[0] || slide->now.way * slide->forces <= most)
+  if (slide->now.way <= JUMP_WAY * model->disc.grid->h[0] + slide->driven || slide->now.way * slide->forces <= most)
     PetscFunctionReturn(PETSC_SUCCESS);
   if (next > slide->end) {
     slide->end  = next;
@@ -226,6 +263,7 @@ PetscErrorCode MpmSlideLook(MpmModel model, PetscReal next, MpmOutcome *outcome)
   PetscCall(FindLongest(model, &slide->now.way));
   slide->force = model->solver.cache.reference;
   slide->dt    = next - model->state.time;
+  PetscCall(FindDriven(model, next, &slide->driven));
   PetscCall(LookAtJump(model, next, outcome));
   if (!outcome->code) PetscCall(LookAtSum(model, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -258,7 +296,8 @@ void MpmSlideObserve(MpmModel model)
 
   if (!(slide->now.way > 0.)) return;
   slide->last = slide->now;
-  slide->slid = GoesOn(slide) || Exceeds(slide, FAR_RATIO) ? slide->slid + slide->now.way : 0.;
+  slide->slid =
+    GoesOn(slide) || Exceeds(slide, FAR_RATIO) ? slide->slid + PetscMax(slide->now.way - slide->driven, 0.) : 0.;
   if (!(slide->slid > 0.) && !Exceeds(slide, JUMP_RATIO)) {
     slide->steady[0] += slide->now.way;
     slide->steady[1] += slide->force;

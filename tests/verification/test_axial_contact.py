@@ -18,7 +18,7 @@ mpm:
   grid: {lower: "0,0", upper: "2.25,1", cells: "18,8"}
   shape: %s
   materials: steel
-  material_steel: {type: j2, yield_stress: 1e12, E: 1e9, nu: 0.25, density: 1000}
+  material_steel: {type: linear_elastic, E: 1e9, nu: 0.25, density: 1000}
   bodies: plug%s
   body_plug: {region: box, lower: "0,0.25", upper: "1,0.75", points_per_cell: "2,2", material: steel, initial_stress: "-1e5"}
   motions: pull%s
@@ -56,6 +56,15 @@ def plug(test):
             along, across = (np.abs(results.column(f"reaction_wall_{axis}"))[1:] for axis in "yx")
             test.check(f"plug.{shape}_on_{ranks}.friction", np.abs(along / exact / FRICTION - 1).max(), None, 1e-3)
             test.check(f"plug.{shape}_on_{ranks}.ratio", np.abs(along / across / FRICTION - 1).max(), None, 1e-9)
+
+
+def drag(test):
+    """A plug that a motion drags far along the rough wall, under a constant force: no slide of the ground, though it moves without load."""
+    far = {"mpm_motion_pull_value": "-2", "mpm_grid_lower": "0,-2", "mpm_grid_cells": "18,24"}
+    results = test.run(written(test, PLUG % ("gimp", "", "", RIGID)), **far).results
+    along = results.column("reaction_wall_y")[1:]
+    test.check("drag.friction", np.abs(along / (2 * np.pi * HEIGHT * STRESS * FRICTION) - 1).max(), None, 1e-3)
+    test.check("drag.steps", results.column("step").size, 10, 10)
 
 
 def shrink(test):
@@ -120,7 +129,7 @@ def disc(test):
     test.near("disc.settlement", 1.2 - results.column("position_disc_y")[-1], 1e5 / (np.pi * 1e9), relative=1e-3)
 
 
-PARTS = (plug, shrink, loads, disc)
+PARTS = (plug, drag, shrink, loads, disc)
 if __name__ == "__main__":
     with Test() as test:
         for part in PARTS:
