@@ -97,7 +97,7 @@ def main(check, draw):
             from pictures import style  # matplotlib takes a while to load, which checks alone need not
 
             style.apply()
-            draw(results).savefig(arguments.plot, dpi=style.DPI_SHEET, bbox_inches="tight")
+            style.save(draw(results), arguments.plot, dpi=style.DPI_SHEET, bbox_inches="tight")
     except (ResultsError, OSError) as error:
         print(f"check.py: {error}", file=sys.stderr)
         sys.exit(2)

@@ -127,9 +127,9 @@ def draw(results, scene, arguments):
 
 
 def save(figure, path):
-    """Writes a figure; PNG as small as it gets."""
+    """Writes a figure, and forgets it."""
     style.settle(figure)
-    figure.savefig(path, **({"pil_kwargs": {"optimize": True}} if path.lower().endswith(".png") else {}))
+    style.save(figure, path)
     plt.close(figure)
 
 
