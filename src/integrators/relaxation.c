@@ -53,6 +53,7 @@
 #include "loads/body_surface.h"
 #include "loads/load.h"
 #include "loads/water_table.h"
+#include "problem/fields.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "integrators/dynamics.h"
@@ -62,7 +63,7 @@
 PetscBool MpmCouldRelax(const MpmModel model)
 {
   return (PetscBool)(model->state.scheme.integrator == &MpmIntegratorQuasistatic &&
-                     model->disc.block == model->disc.dim);
+                     MpmFieldsAreMotion(model->disc.layout));
 }
 
 void MpmRelaxationBegin(MpmModel model)

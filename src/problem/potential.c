@@ -21,6 +21,7 @@
 #include "assembly/terms.h"
 #include "volume/inertia.h"
 #include "problem/discretization.h"
+#include "problem/fields.h"
 #include "problem/potential.h"
 
 /* True where the law's stress is the derivative of a known energy, whatever its history. */
@@ -38,8 +39,7 @@ PetscBool MpmPotentialExists(const MpmDiscretization *disc)
 {
   for (PetscInt m = 0; m < disc->material.count; m++)
     if (!HasPotential(&disc->sum->materials[m])) return PETSC_FALSE;
-  return (PetscBool)(MpmTermsHaveEnergy(disc->terms) && disc->layout->traits.solid && disc->block == disc->dim &&
-                     !disc->layout->means && disc->material.parts == 1);
+  return (PetscBool)(MpmTermsHaveEnergy(disc->terms) && MpmFieldsHaveEnergy(disc->layout) && disc->material.parts == 1);
 }
 
 /* Energy stored in the points of this rank, in the trial. */

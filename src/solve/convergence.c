@@ -9,6 +9,7 @@
 #include "assembly/terms.h"
 #include "volume/inertia.h"
 #include "problem/discretization.h"
+#include "problem/fields.h"
 #include "solve/line_search.h"
 
 /* Stiffness of the firmest contact against a node, N/m. */
@@ -89,7 +90,7 @@ static PetscErrorCode TestNorm(MpmSolver *solver, PetscReal xnorm, PetscReal fno
 
   PetscFunctionBeginUser;
   PetscCall(SNESGetTolerances(solver->snes, &atol, &rtol, NULL, NULL, NULL));
-  if (solver->disc->layout->field_count > 1) {
+  if (MpmFieldsHaveNorms(solver->disc->layout)) {
     Vec x, f;
 
     PetscCall(SNESGetSolution(solver->snes, &x));
@@ -143,7 +144,7 @@ static PetscErrorCode ReactionSquares(const MpmDiscretization *disc, PetscReal *
 
   PetscFunctionBeginUser;
   *squares = 0.;
-  if (!constraints->any || disc->context.inertia->active || disc->layout->field_count > 1)
+  if (!constraints->any || disc->context.inertia->active || !MpmFieldsDoWork(disc->layout))
     PetscFunctionReturn(PETSC_SUCCESS);
   if (constraints->frame_of) {
     PetscCall(PetscMalloc1(owned, &turned));

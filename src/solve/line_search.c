@@ -5,6 +5,7 @@
 #include "space/sum.h"
 #include "assembly/terms.h"
 #include "problem/discretization.h"
+#include "problem/fields.h"
 #include "solve/line_search.h"
 
 /* a step is too long when it raises both the residual and, by this factor, the slope's magnitude; less in later
@@ -339,7 +340,7 @@ PetscErrorCode MpmLineSearch(SNESLineSearch object, void *ctx)
   PetscCall(SNESLineSearchGetVecs(object, &search.X, &search.F, &search.Y, &search.W, &search.G));
   PetscCall(SNESLineSearchGetNorms(object, &xnorm, &search.fnorm, &ynorm));
   PetscCall(SNESGetIterationNumber(snes, &search.it));
-  if (search.solver->disc->layout->field_count > 1) PetscCall(SearchByNorm(&search, &found));
+  if (!MpmFieldsDoWork(search.solver->disc->layout)) PetscCall(SearchByNorm(&search, &found));
   else if (search.solver->careful) PetscCall(SearchByBracket(&search, &found));
   else PetscCall(SearchByWork(&search, &found));
   if (found && search.solver->cache.minimisation.on) PetscCall(MpmSearchDescend(&search, &found));

@@ -12,6 +12,7 @@
 #include "point/layout.h"
 #include "bc/bc.h"
 #include "problem/discretization.h"
+#include "problem/fields.h"
 #include "solve/solve.h"
 
 #define DIFFERENCE 1e-6 /* cells: largest motion in the difference; supports that move less need no such start */
@@ -73,7 +74,7 @@ PetscErrorCode MpmSolverStartLinear(MpmSolver *solver, Vec x, PetscBool *made)
 
   PetscFunctionBeginUser;
   *made = PETSC_FALSE;
-  if (solver->disc->layout->field_count > 1) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmFieldsDoWork(solver->disc->layout)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecNorm(x, NORM_INFINITY, &most));
   if (!(most > DIFFERENCE * solver->disc->h[0])) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscTime(&since));

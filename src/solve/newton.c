@@ -8,6 +8,7 @@
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
 #include "problem/discretization.h"
+#include "problem/fields.h"
 #include "solve/iterate.h"
 #include "solve/line_search.h"
 
@@ -125,7 +126,7 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   PetscCall(SNESGetIterationNumber(snes, &it));
   PetscCall(SNESGetFunctionNorm(snes, &fnorm));
   PetscCall(SNESGetTolerances(snes, NULL, &rtol, NULL, NULL, NULL));
-  if (solver->disc->layout->field_count > 1) {
+  if (MpmFieldsHaveNorms(solver->disc->layout)) {
     fnorm = solver->cache.fields.excess;
     last  = LastWillDo(solver, it, fnorm, 1.);
   } else last = LastWillDo(solver, it, fnorm, rtol * solver->cache.reference);

@@ -6,6 +6,7 @@
 #include "point/layout.h"
 #include "assembly/terms.h"
 #include "problem/discretization.h"
+#include "problem/fields.h"
 #include "solve/solve.h"
 
 /* The presets, embedded by the build from options/: {name, text of the file}. */
@@ -117,7 +118,7 @@ static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const 
 static PetscErrorCode TuneDirect(MpmSolver *solver, PetscReal unknowns)
 {
   const PetscBool small       = (PetscBool)(unknowns < SMALL_IN_2D);
-  const PetscBool saddle      = (PetscBool)(solver->disc->layout->field_count > 1);
+  const PetscBool saddle      = (PetscBool)!MpmFieldsDoWork(solver->disc->layout);
   char            package[64] = "";
   PetscBool       chosen, packaged;
 
@@ -219,7 +220,7 @@ static PetscErrorCode CheckSuits(const MpmSolver *solver)
                 "-mpm_solver %s: needs a definite Jacobian, must be auto, direct or poro-fieldsplit with this physics",
                 solver->preset.name);
   PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_type", type, sizeof(type), NULL));
-  MpmCheckInput(strcmp(type, "band") || layout->field_count == 1,
+  MpmCheckInput(strcmp(type, "band") || MpmFieldsDoWork(layout),
                 "-pc_type band: is for one field, must be cholesky or lu with this physics");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,6 +6,7 @@
 #include "point/layout.h"
 #include "grid/grid.h"
 #include "assembly/terms.h"
+#include "problem/fields.h"
 #include "query/model.h"
 #include "step/step.h"
 
@@ -170,7 +171,7 @@ PetscErrorCode MpmStepSolve(MpmModel model, MpmOutcome *outcome)
     PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
                              "a free boundary moved by more than its contacts were looked for"));
   else PetscCall(MpmStepFindLost(model, outcome));
-  if (!outcome->code || model->disc.layout->field_count > 1) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!outcome->code || !MpmFieldsDoWork(model->disc.layout)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecNorm(model->solver.x, NORM_INFINITY, &most)); /* further than it could go as it spreads: it flies */
   if (most > model->disc.grid->upper[0] - model->disc.grid->lower[0])
     PetscCall(MpmUnconstrainedExplain(model, outcome));
