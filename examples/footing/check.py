@@ -24,7 +24,8 @@ def cell_size(results):
 
 
 def with_mean(results):
-    return results.option("mpm_stabilization_fbar", "false").lower() in ("true", "1", "yes", "on")
+    """F-bar acts unless it is switched off: the clay flows."""
+    return results.option("mpm_stabilization_fbar", "auto").lower() not in ("false", "0", "no", "off")
 
 
 def half_width(results):
