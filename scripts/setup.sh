@@ -11,6 +11,7 @@ packages=(
   python3-sphinx python3-myst-parser furo python3-pil
   dpkg-dev file lintian locales
   python3-pandas python3-scipy python3-pip python3-venv python3-nbclient python3-ipykernel python3-meshio mypy
+  python3-ezdxf python3-gdal python3-shapely
 )
 
 if ! command -v apt-get >/dev/null; then

@@ -57,6 +57,8 @@ PetscBool MpmBodyOwns(MpmBody body, const PetscReal x[]);
 PetscBool MpmBodyIsTaken(const MpmBody body, const MpmGrid *grid, const PetscReal x[]);
 /* Middle of a box of the lattice. */
 void MpmBodyBoxPlace(const MpmBody body, const MpmGrid *grid, const PetscInt at[], PetscReal x[]);
+/* True where a box without a point has a part of the body that no box beside it takes. */
+PetscBool MpmBodyIsLeftOver(const MpmBody body, const MpmGrid *grid, const PetscInt at[], const PetscReal x[]);
 /*
   The material of a box of the lattice with a point, and of boxes beside it without one that is nearest to it
   (body_edge.c): its volume, m^dim, and its centroid in place of the box's middle x.

@@ -83,7 +83,9 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
 
       for (PetscInt a = 0; a < MPM_MAX_DIM; a++) at[a] = (PetscInt)cell[a] * m[a] + sub[a];
       MpmBodyBoxPlace(body, grid, at, x);
-      if (!MpmBodyOwns(body, x) || MpmBodyIsTaken(body, grid, x)) continue;
+      if ((!MpmBodyOwns(body, x) || MpmBodyIsTaken(body, grid, x)) &&
+          !(body->cut && MpmBodyIsLeftOver(body, grid, at, x)))
+        continue;
       if (points) FillPoint(body, grid, at, first + count, points);
       if (points) points->id[first + count] = (PetscInt)(id + count);
       count++;

@@ -7,7 +7,7 @@
     results = talus.run(scene, ranks=2)
     print(results.history["track_toe_ux"].iloc[-1])
 """
-from . import templates
+from . import importers, templates
 from . import plot
 from .calibration import Calibration, calibrate
 from .errors import RunError, SceneError
@@ -19,4 +19,4 @@ from .scene import Scene
 from .sweeps import sweep
 
 __all__ = ["Calibration", "Picture", "Results", "ResultsError", "RunError", "Scene", "SceneError", "State", "calibrate",
-           "find_program", "run", "sweep", "templates"]
+           "find_program", "importers", "run", "sweep", "templates"]
