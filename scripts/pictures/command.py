@@ -22,8 +22,8 @@ from .lines import plot_line  # noqa: E402
 from .scene import Scene  # noqa: E402
 from .states import plot_multiples, plot_state  # noqa: E402
 
-DESCRIPTION = """Draws the results of a run: the material coloured by a field, as a picture, several or a film, curves of the
-history, forces along a row of cuts, stress along a line, or a laboratory test."""
+DESCRIPTION = """Draws the results of a run: the material coloured by a field, as a picture, several or a film, curves of
+the history, forces along a row of cuts, stress along a line, or a laboratory test."""
 EXAMPLES = """examples:
   talus plot out/cantilever                                            displacement at the last written step
   talus plot out/cantilever --field stress --component xx --output stress.png

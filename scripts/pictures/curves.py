@@ -10,6 +10,7 @@ from results import ResultsError
 from . import style, units
 
 TRACK = re.compile(r"track_\w+_u[xyz]")
+TOGETHER = 0.05  # of the axis: names of stages would overlap
 STAGE_NAMES = 9  # more stages have lines without names
 
 
@@ -47,29 +48,34 @@ def safety(results):
         return None
 
 
-def draw_stages(axes, results, scene, x_name, factor):
-    """A line where each stage begins, and its name."""
+def stage_starts(results, scene, x_name):
+    """Where stages begin along x, and their names."""
     history = results.history
-    if x_name not in ("time", "step") or "stage" not in history or len(scene.stages) < 2:
-        return
     stage = history["stage"].astype(int)
-    starts = np.flatnonzero(np.diff(stage, prepend=0) > 0)
-    for row in starts:
-        number = stage[row]
-        begin = history["time"][row] - history["dt"][row] if x_name == "time" else history["step"][row] - 1.0
+    rows = np.flatnonzero(np.diff(stage, prepend=0) > 0)
+    begins = history["time"][rows] - history["dt"][rows] if x_name == "time" else history["step"][rows] - 1.0
+    return [
+        (begin, scene.stages[number - 1].name)
+        for begin, number in zip(begins, stage[rows])
+        if number <= len(scene.stages)
+    ]
+
+
+def draw_stages(axes, results, scene, x_name, factor):
+    """A line where each stage begins, and its name; names of stages that begin close to each other stand together."""
+    if x_name not in ("time", "step") or "stage" not in results.history or len(scene.stages) < 2:
+        return
+    starts, texts = stage_starts(results, scene, x_name), []
+    span = results.history[x_name][-1]
+    for begin, name in starts:
         axes.axvline(begin / factor, color="0.75", linewidth=0.7, zorder=0)
-        if len(starts) <= STAGE_NAMES and number <= len(scene.stages):
-            axes.text(
-                begin / factor,
-                1.01,
-                " " + scene.stages[number - 1].name,
-                transform=axes.get_xaxis_transform(),
-                fontsize=6.5,
-                color="0.4",
-                ha="left",
-                va="bottom",
-                rotation=30,
-            )
+        if texts and begin - texts[-1][0] < TOGETHER * span:
+            texts[-1][1].append(name)
+        else:
+            texts.append((begin, [name]))
+    options = {"fontsize": 6.5, "color": "0.4", "ha": "left", "va": "bottom", "rotation": 30}
+    for begin, together in texts if len(starts) <= STAGE_NAMES else []:
+        axes.text(begin / factor, 1.01, " " + ", ".join(together), transform=axes.get_xaxis_transform(), **options)
 
 
 def mark_safety(axes, results, x, x_name, columns):

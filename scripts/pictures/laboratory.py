@@ -1,7 +1,8 @@
-"""Draws a laboratory test of Talus (physics: stress_point): q and volume strain against axial strain, the path of p and q,
-and the void ratio against the logarithm of p, beside measurements where there are any.
+"""Draws a laboratory test (physics: stress_point): q and volume strain against axial strain, the path of p and q, and
+the void ratio against the logarithm of p, beside measurements where there are any.
 
-`talus plot` does it by itself for such a run; measurements are a CSV file with columns of the history's names and signs.
+`talus plot` does it by itself for such a run; measurements are a CSV file with columns of the history's names and
+signs.
 """
 
 import matplotlib.pyplot as plt
@@ -47,7 +48,7 @@ def read_measurements(path):
 
 
 def void_ratio(results, history):
-    """The void ratio of a law that knows its specific volume, as history or as parameter at the start; otherwise None."""
+    """The void ratio of a law that knows its specific volume, as history or as parameter; otherwise None."""
     if "specific_volume" in history:
         return history["specific_volume"] - 1.0
     name = f"mpm_material_{results.option('mpm_point_material')}_specific_volume"

@@ -91,4 +91,4 @@ def draw_space_groups(axes, results, state, groups, arguments, frame=None):
         for k in range(len(labels))
         if np.any(numbers == k)
     ]
-    axes.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, -0.08), ncols=min(len(handles), 5))
+    axes.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, -0.14), ncols=min(len(handles), 5))

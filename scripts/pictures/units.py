@@ -4,13 +4,14 @@ import re
 
 import numpy as np
 
+PLACE = "place"  # m, of coordinates, which are read in m whatever their size
 UNITS = {
     "stress": "Pa",
     "von_mises": "Pa",
     "pressure": "Pa",
     "displacement": "m",
-    "position": "m",
-    "position0": "m",
+    "position": PLACE,
+    "position0": PLACE,
     "volume": "m³",
     "mass": "kg",
     "velocity": "m/s",
@@ -20,7 +21,8 @@ UNITS = {
 }
 LARGE = {"Pa": "", "N": "", "N m": "", "N/m": "", "N m/m": "", "J": ""}
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
-MILLIMETRES = 0.2  # m: below it displacements are read in mm, below 1e-4 of it in µm
+MILLIMETRES, SLOW = 1.0, 0.01  # m, m/s: below it displacements are read in mm, velocities in mm/s
+MICRO = 2e-5  # of them: below it they are read in µm
 HOUR, DAY, YEAR = 3600.0, 86400.0, 365.25 * 86400.0
 NOISE = 1e-8  # of the field's size: what rounding and the solver's tolerance leave
 AXES = "xyz"
@@ -34,13 +36,20 @@ def largest(values):
 
 def readable(size, unit):
     """Factor and unit in which numbers up to `size` are read."""
+    if unit == PLACE:
+        return 1.0, "m"
     if unit in LARGE:
         for factor, prefix in PREFIXES:
             if size >= factor:
                 return 1.0 / factor, prefix + unit
-    if unit in ("m", "m/s") and 0.0 < size < MILLIMETRES:
+    limit = {"m": MILLIMETRES, "m/s": SLOW}.get(unit, 0.0)
+    if 0.0 < size < limit:
         rest = unit[1:]
-        return (1e3, "mm" + rest) if size > 1e-4 * MILLIMETRES else (1e6, "µm" + rest) if size > 1e-8 else (1.0, unit)
+        return (
+            (1e3, "mm" + rest)
+            if size > MICRO * limit
+            else (1e6, "µm" + rest) if size > MICRO**2 * limit else (1.0, unit)
+        )
     return 1.0, unit
 
 
@@ -72,14 +81,14 @@ COLUMNS = (
     (r"force_(\w+)_(\w+)", "force {g2} of {g1}", "N"),
     (r"moment_(\w+)_([xyz])", "moment {g2} of {g1}", "N m"),
     (r"depth_(\w+)", "depth behind {g1}", "m"),
-    (r"position_(\w+)_([xyz])", "{g2} of {g1}", "m"),
+    (r"position_(\w+)_([xyz])", "{g2} of {g1}", PLACE),
     (r"rotation_(\w+)_([xyz])", "rotation of {g1}", "°"),
     (r"outflow_(\w+)", "outflow of {g1}", "m³"),
     (r"section_(\w+)_([mt]\d?)", "{upper} of {g1}", "N m"),
     (r"section_(\w+)_([nv]\d?)", "{upper} of {g1}", "N"),
     (r"profile_(\w+)_(\w+)", "mean {g2} of {g1}", "Pa"),
     (r"energy_(\w+)", "energy, {g1}", "J"),
-    (r"grid_(lower|upper)_([xyz])", "{g1} end of the grid, {g2}", "m"),
+    (r"grid_(lower|upper)_([xyz])", "{g1} end of the grid, {g2}", PLACE),
     (r"(stress)_(\w\w)", "$\\sigma_{{{g2}}}$", "Pa"),
     (r"(strain)_(\w\w)", "$\\epsilon_{{{g2}}}$", ""),
     (r"([pq])", "{g1}", "Pa"),
