@@ -170,7 +170,8 @@ def man(options):
     """The page of section 1."""
     lines = [f".TH TALUS 1 {day()}", ".SH NAME", "talus \\- implicit material point method for soils, rocks, snow and structures",
              ".SH SYNOPSIS", ".B talus", "SCENE.yaml [MORE.yaml ...] [\\-option value ...]", ".br", ".B talus help",
-             "[TOPIC | \\-mpm_option]", ".br", ".B talus check", "SCENE.yaml [\\-\\-picture FILE.png]", ".br", ".B talus plot",
+             "[TOPIC | \\-mpm_option]", ".br", ".B talus check", "SCENE.yaml [\\-\\-picture FILE.png]", ".br",
+             ".B talus check\\-law", "PLUGIN.so NAME", ".br", ".B talus plot",
              "PREFIX [\\-\\-help]", ".br", ".B talus view", "PREFIX", ".br", ".B mpiexec \\-n 4 talus", "SCENE.yaml [\\-option value ...]", ".SH DESCRIPTION",
              "A scene is a file in YAML. Each of its entries is an option, too:", ".B mpm: grid: cells: \\(dq60,60\\(dq", "is",
              ".BR \\-mpm_grid_cells .", "What comes later on the command line overrides what came before.",
@@ -244,7 +245,7 @@ _talus() {{
     [[ ${{#COMPREPLY[@]}} -eq 1 && ${{COMPREPLY[0]}} != *_ ]] && compopt +o nospace 2>/dev/null
     return
   fi
-  ((COMP_CWORD == 1)) && COMPREPLY=($(compgen -W 'help check plot view' -- "$word"))
+  ((COMP_CWORD == 1)) && COMPREPLY=($(compgen -W 'help check check-law plot view' -- "$word"))
   COMPREPLY+=($(compgen -f -X '!*.@(yaml|yml|opts|h5|csv)' -- "$word") $(compgen -d -- "$word"))
 }}
 shopt -s extglob
@@ -268,7 +269,7 @@ if [[ $words[CURRENT] == -* ]]; then
   compadd -S '' -- {' '.join(plain(options))}
   return
 fi
-(( CURRENT == 2 )) && compadd -- help check plot view
+(( CURRENT == 2 )) && compadd -- help check check-law plot view
 _files -g '*.(yaml|yml|opts|h5|csv)'
 """
 

@@ -41,6 +41,7 @@ PetscErrorCode MpmHelpUsage(MPI_Comm comm, FILE *file)
                  "       talus check SCENE.yaml [--picture FILE.png]               sizes, time, first step; a picture\n"
                  "       talus plot PREFIX [--help], talus view PREFIX             pictures of results\n"
                  "       talus new [NAME [FILE]]                                   a scene to start from\n"
+                 "       talus check-law PLUGIN.so NAME                            tests of a plugin's law\n"
                  "       talus help [TOPIC | -mpm_option]                          part of the manual\n"
                  "       talus SCENE.yaml -help                                    the options of that scene\n"
                  "       talus -help, talus -help=json                             all options\n"

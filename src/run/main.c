@@ -9,6 +9,7 @@
 #include "options/scene_file.h"
 #include "observe/signals.h"
 #include "run/command_line.h"
+#include "run/law_check.h"
 #include "run/pages.h"
 #include "run/picture.h"
 #include "run/processor.h"
@@ -57,11 +58,12 @@ static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function,
 /* Makes one line of text of a message, which quotes the user's input; its middle may be left out. */
 static void MakeLine(char message[])
 {
-  const size_t length = strlen(message), half = MESSAGE_LENGTH / 2;
+  static const char gap[]  = {' ', '.', '.', '.', ' '};
+  const size_t      length = strlen(message), half = MESSAGE_LENGTH / 2;
 
   if (length > MESSAGE_LENGTH) {
-    memcpy(&message[half], " ... ", 5);
-    memmove(&message[half + 5], &message[length - half], half + 1);
+    memcpy(&message[half], gap, sizeof(gap));
+    memmove(&message[half + sizeof(gap)], &message[length - half], half + 1);
   }
   for (char *c = message; *c;) {
     unsigned  code;
@@ -266,6 +268,7 @@ int main(int argc, char **argv)
       lacks);
     return 1;
   }
+  if (MpmLawCheckNamed(argc, argv)) return MpmLawCheckRun(argc, argv);
   if (MpmScriptNamed(argc, argv)) return MpmScriptRun(argc, argv);
   if (MpmCommandLineRead(argc, argv, &line) || Initialize(line.count, line.words, &words)) return 1;
   (void)signal(SIGPIPE, SIG_DFL); /* who reads the output through `head` has seen enough: no traceback */

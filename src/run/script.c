@@ -11,17 +11,15 @@
 #include <unistd.h>
 #include "run/script.h"
 
-#define PARENTS 3 /* folders above the program in which the script is searched */
+#define PARENTS 3 /* folders above the program in which a file is searched */
 
 static const char *const needs = "import importlib.util as u; raise SystemExit(any(u.find_spec(m) is None for m in "
                                  "('numpy', 'h5py', 'matplotlib', 'PIL')))";
 
-/* Path of the script; empty where there is none. */
-static void FindScript(char path[PETSC_MAX_PATH_LEN])
+void MpmFileFindBeside(PetscInt count, const char *const places[], char path[PETSC_MAX_PATH_LEN])
 {
-  static const char *const places[] = {"share/talus/scripts/plot.py", "tools/plot.py", "scripts/plot.py"};
-  char                     folder[PETSC_MAX_PATH_LEN];
-  const ssize_t            length = readlink("/proc/self/exe", folder, sizeof(folder) - 1);
+  char          folder[PETSC_MAX_PATH_LEN];
+  const ssize_t length = readlink("/proc/self/exe", folder, sizeof(folder) - 1);
 
   path[0] = '\0';
   if (length <= 0) return;
@@ -31,7 +29,7 @@ static void FindScript(char path[PETSC_MAX_PATH_LEN])
 
     if (!slash) return;
     *slash = '\0';
-    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(places); k++) {
+    for (PetscInt k = 0; k < count; k++) {
       if (snprintf(path, PETSC_MAX_PATH_LEN, "%s/%s", folder, places[k]) < PETSC_MAX_PATH_LEN && !access(path, R_OK))
         return;
     }
@@ -39,8 +37,15 @@ static void FindScript(char path[PETSC_MAX_PATH_LEN])
   path[0] = '\0';
 }
 
-/* Exit status of a command, 127 where there is no such program; its output is dropped where `silent`. */
-static int Call(char *const words[], PetscBool silent)
+/* Path of the script; empty where there is none. */
+static void FindScript(char path[PETSC_MAX_PATH_LEN])
+{
+  static const char *const places[] = {"share/talus/scripts/plot.py", "tools/plot.py", "scripts/plot.py"};
+
+  MpmFileFindBeside((PetscInt)PETSC_STATIC_ARRAY_LENGTH(places), places, path);
+}
+
+int MpmCommandCall(char *const words[], PetscBool silent)
 {
   int         status = 0;
   const pid_t child  = fork();
@@ -70,7 +75,7 @@ static const char *FindPython(void)
   for (int k = 0; k < (named && *named ? 1 : 2); k++) {
     char *const words[] = {(char *)candidates[k], (char *)"-c", (char *)needs, NULL};
 
-    if (!Call(words, PETSC_TRUE)) return candidates[k];
+    if (!MpmCommandCall(words, PETSC_TRUE)) return candidates[k];
   }
   return NULL;
 }
@@ -125,5 +130,5 @@ int MpmScriptDraw(const char prefix[], const char picture[])
   if (Find("check --picture", script, &python)) return 1;
   char *const words[] = {(char *)python,  script, (char *)prefix, (char *)"--scene", (char *)"--output",
                          (char *)picture, NULL};
-  return Call(words, PETSC_FALSE);
+  return MpmCommandCall(words, PETSC_FALSE);
 }

@@ -22,8 +22,6 @@ DECLARE_TANGENT(AT_PLAIN(LawTangent))
 DECLARE_TANGENT(AT_ONE(LawTangent))
 DECLARE_TANGENT(AT_ALL(LawTangent))
 
-typedef void (*Constructor)(MpmLawInfo *info);
-
 #define MPM_MATERIAL(name) \
   void AT_PLAIN(MpmMaterialCreate_##name)(MpmLawInfo * info); \
   void AT_ONE(MpmMaterialCreate_##name)(MpmLawInfo * info); \
@@ -44,24 +42,32 @@ static const Constructor constructors[][INSTANCES] = {
 
 enum { LAW_COUNT = sizeof(constructors) / sizeof(constructors[0]) };
 
+static const Constructor *only; /* constructors of the only law under test; NULL: those of the build */
+
+void LawUse(const Constructor own[INSTANCES])
+{
+  only = own;
+}
+
 int LawCount(void)
 {
-  return LAW_COUNT;
+  return only ? 1 : LAW_COUNT;
 }
 
 const Law *LawGet(int i)
 {
-  static Law       laws[LAW_COUNT];
-  const LawTangent tangent[TANGENTS] = {AT_PLAIN(LawTangent), AT_ONE(LawTangent), AT_ALL(LawTangent)};
+  static Law         laws[LAW_COUNT];
+  const LawTangent   tangent[TANGENTS] = {AT_PLAIN(LawTangent), AT_ONE(LawTangent), AT_ALL(LawTangent)};
+  const Constructor *create            = only ? only : constructors[i];
 
-  for (int k = 0; k < INSTANCES && !laws[i].tangent[PLAIN]; ++k) constructors[i][k](&laws[i].info[k]);
+  for (int k = 0; k < INSTANCES && !laws[i].tangent[PLAIN]; ++k) create[k](&laws[i].info[k]);
   memcpy(laws[i].tangent, tangent, sizeof tangent);
   return &laws[i];
 }
 
 const Law *LawFind(const char *name)
 {
-  for (int i = 0; i < LAW_COUNT; ++i)
+  for (int i = 0; i < LawCount(); ++i)
     if (!strcmp(LawGet(i)->info[PLAIN].name, name)) return LawGet(i);
   return NULL;
 }

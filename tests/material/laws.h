@@ -36,6 +36,10 @@ typedef struct {
   double     parameter[MAX_PARAMETERS], state[MAX_STATE], F[DIM2], data[MAX_PARAMETERS][MAX_DATA];
 } Point;
 
+typedef void (*Constructor)(MpmLawInfo *info);
+
+/* Makes this law, by its constructors for the instances, the only one under test. */
+void       LawUse(const Constructor own[INSTANCES]);
 int        LawCount(void);
 const Law *LawGet(int i);
 const Law *LawFind(const char *name);

@@ -3,6 +3,7 @@
   parameters and states drawn at random from fixed seeds; plastic states are reached by random paths.
 */
 #include "laws.h"
+#include "law_plugin.h"
 #include <check.h>
 #include <math.h>
 #include <stdio.h>
@@ -839,12 +840,15 @@ static Suite *LawsSuite(void)
   return suite;
 }
 
-int main(void)
+/* Without arguments over the laws of the build, with their values; with PLUGIN.so NAME over that law. */
+int main(int argc, char **argv)
 {
-  SRunner *runner = srunner_create(LawsSuite());
+  SRunner *runner;
   int      failed;
 
-  srunner_add_suite(runner, LawValuesSuite());
+  if (argc == 3 && LawPluginUse(argv[1], argv[2])) return 2;
+  runner = srunner_create(LawsSuite());
+  if (argc == 1) srunner_add_suite(runner, LawValuesSuite());
   srunner_add_suite(runner, LawSensitivitySuite());
   srunner_set_fork_status(runner, CK_NOFORK);
   srunner_run_all(runner, CK_NORMAL);

@@ -84,6 +84,25 @@ def check_files(test, root):
     print(*named)
 
 
+def check_recipes(test, root):
+    """Files for Docker, Spack and modules, as far as that goes without these: form, and names that exist."""
+    packaging = ROOT / "packaging"
+    text = (packaging / "docker/Dockerfile").read_text(encoding="utf-8").replace("\\\n", " ")
+    lines = [line.split() for line in text.splitlines() if line and not line.startswith("#")]
+    words = {"FROM", "COPY", "WORKDIR", "RUN", "USER", "ENV", "ENTRYPOINT"}
+    test.check("docker.words", len({line[0] for line in lines} - words), 0, 0)
+    test.check("docker.scripts", int(all((ROOT / name).exists() for name in re.findall(r"\./(scripts/\S+)", text))), 1, 1)
+    recipe = (packaging / "spack/package.py").read_text(encoding="utf-8")
+    compile(recipe, "package.py", "exec")
+    options = set(re.findall(r'define(?:_from_variant)?\("(\w+)"', recipe))
+    known = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+    test.check("spack.options", len([name for name in options if name not in known]) if options else 1, 0, 0)
+    module = (packaging / "modulefiles/talus").read_text(encoding="utf-8")
+    folders = re.findall(r"^prepend-path \w+ +\$prefix/(\S+)", module, re.MULTILINE)
+    there = [folder for folder in folders if folder.startswith("lib") or (root / "usr" / folder).is_dir()]
+    test.check("module.folders", len(there) if module.startswith("#%Module") else 0, len(folders), len(folders))
+
+
 def check_runs(test, user, scene):
     """Runs of an example that stands where the user may not write; its history, by the check of the example's folder."""
     version = user.run("talus", "--version")
@@ -148,6 +167,7 @@ def main():
         else:
             must(test, "unpack", ["dpkg-deb", "-x", package, root], top)
         check_files(test, root)
+        check_recipes(test, root)
         user = User(own, root, locales)
         scene = root / "usr/share/doc/talus/examples/cantilever/case.yaml"
         check_runs(test, user, scene)

@@ -36,7 +36,7 @@ def install(test, build, prefix):
     """Installs the build tree, and looks that all is there and nothing else is."""
     must(test, "install", ["cmake", "--install", build, "--prefix", prefix], build)
     for file in ("bin/talus", "lib/libtalus.a", "lib/libtalus.so", "include/talus/talus.h", "include/talus/plugin.h",
-                 "include/talus/contact.h", "include/talus/point/law.h", "lib/cmake/Talus/TalusConfig.cmake", "lib/pkgconfig/talus.pc", "share/man/man1/talus.1",
+                 "include/talus/contact.h", "include/talus/point/law.h", "libexec/talus/test_laws_2d", "libexec/talus/test_laws_3d", "lib/cmake/Talus/TalusConfig.cmake", "lib/pkgconfig/talus.pc", "share/man/man1/talus.1",
                  "share/bash-completion/completions/talus", "share/zsh/site-functions/_talus", "share/talus/talus.schema.json",
                  "share/doc/talus/README.md", "share/doc/talus/LICENSE", "share/doc/talus/docs/first-run.md",
                  "share/doc/talus/examples/cantilever/check.py", "share/doc/talus/scripts/results.py", "share/talus/scripts/plot.py"):
@@ -87,6 +87,16 @@ def jacobians(test, name, command, folder):
         for form, distance in zip(FORMS, distances):
             test.check(f"{name}_{case}_{form}", float(distance), upper=1e-14)
         test.check(f"{name}_{case}_differences", float(differences), upper=1e-7)
+
+
+def laws(test, talus, folder):
+    """The conformance tests on the law of the plugin, and on what is none."""
+    output = must(test, "check_law", [talus, "check-law", "toys.so", "fung"], folder)
+    test.check("check_law_suites", output.count("100%: Checks: "), 2, 2)
+    for words, message in ((("toys.so", "gum"), "check-law toys.so: has no law gum"), (("toys.so",), "check-law: a plugin and")):
+        process = call([talus, "check-law", *words], folder)
+        test.check(f"check_law_{len(words)}_status", process.returncode, 2, 2)
+        test.check(f"check_law_{len(words)}_message", int(message in process.stderr and process.stderr.count("\n") == 1), 1, 1)
 
 
 def springs(test, talus, copy, plugin):
@@ -199,6 +209,7 @@ def main():
         jacobians(test, "jacobians", [folder / "jacobians", "toys.so", "-malloc_dump"], folder)
         jacobians(test, "jacobians_ranks", ["mpiexec", "--oversubscribe", "-n", "2", folder / "jacobians", "toys.so"],
                   folder)
+        laws(test, prefix / "bin" / "talus", folder)
         springs(test, prefix / "bin" / "talus", copy, folder / "toys.so")
         added(test, folder, copy)
         paraboloid(test, prefix / "bin" / "talus", copy, folder / "toys.so")
