@@ -74,6 +74,11 @@ static PetscErrorCode ReadPlanes(const MpmOptions *block, PetscInt dim, MpmSecti
     if (!has_normal) section->axis[0][a] = section->last[a] - section->first[a];
   }
   MpmCheckInput(MpmAxesComplete(dim, section->axis) || help, "-%snormal: must not be zero", block->prefix);
+  if (row || help)
+    PetscCall(MpmOptionsBool(block, "follow",
+                             "the row moves along its normal with the material that it cuts: its first and last plane "
+                             "are at the ends of it",
+                             &section->follow, NULL));
   PetscCall(MpmOptionsReals(block, "about", "m", "what moments are about; default: the centroid of each cut",
                             MPM_RANGE_ANY, MPM_OPTIONAL, dim, section->about, &section->has_about));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -25,6 +25,7 @@ typedef struct {
   PetscReal axis[MPM_MAX_DIM][MPM_MAX_DIM]; /* the normal, then the directions of shear: right-handed */
   PetscReal about[MPM_MAX_DIM];
   PetscBool has_about; /* otherwise moments are about the cut's centroid */
+  PetscBool follow;    /* a row from end to end of the material, wherever it is along the normal */
   PetscInt  count;
   MpmCut   *cuts;
 } MpmSection;

@@ -206,6 +206,10 @@ PetscErrorCode MpmCutPlaceRamps(MpmCutPass *pass, MpmCutPlane *plane)
     for (PetscInt a = 0; a < grid->dim; a++)
       ramp->origin[a] = (1. - part) * section->first[a] + part * section->last[a];
     d = MpmCutDistance(section, grid->dim, ramp->origin);
+    if (section->follow && upper > lower) {
+      d = lower + part * (upper - lower);
+      for (PetscInt a = 0; a < grid->dim; a++) ramp->origin[a] = section->first[a] + d * section->axis[0][a];
+    }
     if (!(w > 0.) || d < lower - MPM_TOLERANCE * width || d > upper + MPM_TOLERANCE * width) w = 0.;
     ramp->lower = w > 0. ? PetscMin(PetscMax(d - 0.5 * w, lower), upper - w) : d;
     ramp->upper = ramp->lower + w;

@@ -147,7 +147,35 @@ def check_sphere(test):
     test.check("sphere.better", whole / fine, 1.3)
 
 
+BLOCK = """  bodies: block
+  body_block: {region: box, lower: "1,1", upper: "5,2", material: sand}
+  motions: push
+  motion_push: {body: block, components: "x,y", value: "4.3,0.7"}
+  sections: row
+  section_row: {point: "1,1.5", end: "5,1.5", count: 9, body: block, follow: true}
+"""
+
+
+def row_of_cuts(run):
+    """Columns of the last state's row."""
+    names, *rows = [line.split(",") for line in Path(f"{run.prefix}_section_row.csv").read_text(encoding="utf-8").splitlines()]
+    return {name: np.array([float(row[k]) for row in rows[-9:]]) for k, name in enumerate(names)}
+
+
+def check_follow(test):
+    """A row of cuts goes along with a block that is moved, its first and last cut a cell wide at the ends; else it meets nothing."""
+    moved = {"mpm_bcs": "base", "mpm_bc_base_components": "y"}
+    row = row_of_cuts(test.run(write(test, BLOCK), **moved))
+    test.near("follow.area", row["area"][1:-1].mean(), 1.0, relative=0.02)
+    for name, value, place in (("first", row["x"][0], 5.8), ("last", row["x"][-1], 8.8), ("middle", row["x"][4], 7.3), ("height", row["y"][4], 2.2)):
+        test.near(f"follow.{name}", value, place, absolute=0.05)
+    test.check("follow.not", row_of_cuts(test.run(write(test, BLOCK), mpm_section_row_follow="false", **moved))["area"].max(), 0, 0)
+    single = test.run(write(test, BLOCK.replace('end: "5,1.5", count: 9', 'normal: "1,0"')), status=2)
+    test.check("follow.single", int("follow" in single.errors), 1, 1)
+
+
 with Test() as test:
+    check_follow(test)
     check_cut(test)
     check_sphere(test)
     wall, pieces = test.run(write(test, WALL)), test.run(write(test, PIECES))
