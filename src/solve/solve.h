@@ -230,7 +230,8 @@ PetscErrorCode MpmSolverSolve(MpmSolver *solver, SNESConvergedReason *reason);
 - ksp - the solver's own, with J and a preconditioner of it: KSPSolve() and, with matrices, KSPSolveTranspose()
 
   Notes:
-  Both are borrowed until the next evaluation of a Jacobian. Contact is that of x.
+  Both are borrowed until the next evaluation of a Jacobian. Contact is that of x. A direct solver's matrix has a raised
+  diagonal where modes may lack stiffness (MpmJacobianLift()).
 */
 PetscErrorCode MpmSolverLinearise(MpmSolver *solver, Vec x, Mat *J, KSP *ksp);
 /* A new solver after a linear solve has failed, with GMRES where CG met an indefinite Jacobian. */
