@@ -10,7 +10,7 @@
 /* Shear strain below which its direction is not told, so that g is smooth where there is none */
 #define LEAST_SHEAR 1e-8
 
-#if MPM_NORMALS == 2
+#if MPM_NORMALS == 2 && !defined(MPM_SENSITIVITY)
 /*
   g and its derivatives, from b_n in the plane, dF and J = det dF with its derivatives. With r the radius of Mohr's
   circle of b = dF b_n dF^T, sinh(gamma) = r/sqrt(det b), cosh(gamma) = tr b/(2 sqrt(det b)), and
@@ -46,10 +46,10 @@ MPM_FN Scalar ShearGrowth(const double b[3], const Tensor *dF, const Tensor *cof
 #endif
 
 /* beta, with g and its derivatives where it is not 0; J = det dF and its derivatives */
-MPM_FN double Dilatancy(const MpmKernelPoint *point, const Tensor *dF, const Tensor *cofactor, Scalar J, Scalar *g,
+MPM_FN double Dilatancy(const KernelPoint *point, const Tensor *dF, const Tensor *cofactor, Scalar J, Scalar *g,
                         Tensor *dg)
 {
-#if MPM_NORMALS == 2
+#if MPM_NORMALS == 2 && !defined(MPM_SENSITIVITY) /* there are no derivatives of beta */
   double b[3], beta;
 
   if (!point->material.dilatancy) return 0.;
@@ -63,7 +63,7 @@ MPM_FN double Dilatancy(const MpmKernelPoint *point, const Tensor *dF, const Ten
 }
 
 /* m, and its change with the point: dm[k] = d m / d input_k */
-MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *dm)
+MPM_FN Scalar PointMean(const KernelPoint *point, const Tensor *dF, Tensor *dm)
 {
   Scalar J, growth;
   Tensor dg;
@@ -91,7 +91,7 @@ MPM_FN Scalar PointMean(const MpmKernelPoint *point, const Tensor *dF, Tensor *d
 }
 
 /* A change of dF that is to dF_bar what a change of m_bar is: E = dF, or F_n^{-1} at small strain. */
-MPM_FN Tensor Dilation(const MpmKernelPoint *point, const Tensor *dF)
+MPM_FN Tensor Dilation(const KernelPoint *point, const Tensor *dF)
 {
   if (point->material.traits & MPM_LAW_SMALL_STRAIN) {
     const Tensor F_n = TensorFromArray(point->F_n);
@@ -102,7 +102,7 @@ MPM_FN Tensor Dilation(const MpmKernelPoint *point, const Tensor *dF)
 }
 
 /* dF_bar from the ratio m_bar/m or, at small strain, m_bar - m: dF_bar F_n = dF F_n + ((m_bar - m)/d) I */
-MPM_FN Tensor MeanIncrement(const MpmKernelPoint *point, const Tensor *dF, Scalar ratio)
+MPM_FN Tensor MeanIncrement(const KernelPoint *point, const Tensor *dF, Scalar ratio)
 {
   if (point->material.traits & MPM_LAW_SMALL_STRAIN) {
     const Tensor E = Dilation(point, dF), shift = TensorScale(ScalarScale(1. / MPM_NORMALS, ratio), &E);
@@ -113,7 +113,7 @@ MPM_FN Tensor MeanIncrement(const MpmKernelPoint *point, const Tensor *dF, Scala
 }
 
 /* Adds V_0 (tr tau/d) beta dg to the fluxes. */
-MPM_FN void AddShearFlux(const MpmKernelPoint *point, const Tensor *dF, Scalar pressure, Scalar flux[])
+MPM_FN void AddShearFlux(const KernelPoint *point, const Tensor *dF, Scalar pressure, Scalar flux[])
 {
   const Tensor cofactor = TensorCofactor(dF);
   Scalar       g;
@@ -125,11 +125,23 @@ MPM_FN void AddShearFlux(const MpmKernelPoint *point, const Tensor *dF, Scalar p
     flux[k] = ScalarAdd(flux[k], ScalarMul(ScalarScale(beta * point->volume0, pressure), dg.a[k]));
 }
 
+#if defined(MPM_SENSITIVITY)
+/* m of the point, and its derivatives by the gradients of the displacement. Non-zero where there is no such m. */
+MPM_FN int FbarMeanAlong(const KernelPoint *point, const Scalar input[], Scalar *m, Scalar dm[])
+{
+  const Tensor dF = TensorFromGradient(input);
+  Tensor       derivative;
+
+  *m = PointMean(point, &dF, &derivative);
+  for (int k = 0; k < GRADIENTS; k++) dm[k] = derivative.a[k];
+  return !(ScalarValue(*m) > 0. && ScalarValue(*m) <= DBL_MAX);
+}
+#else
 /*
   m of the point, and its first derivatives by the kernel's `count` inputs but for the mean, the gradients of the
   displacement first; with directions the second ones too, count x count. Non-zero where there is no such m.
 */
-MPM_FN int FbarMean(const MpmKernelPoint *point, const double input[], int count, double *m, double dm[], double ddm[])
+MPM_FN int FbarMean(const KernelPoint *point, const double input[], int count, double *m, double dm[], double ddm[])
 {
   Scalar in[GRADIENTS];
   Tensor derivative;
@@ -147,9 +159,10 @@ MPM_FN int FbarMean(const MpmKernelPoint *point, const double input[], int count
   }
   return !(*m > 0. && *m <= DBL_MAX);
 }
+#endif
 
 /* The mean part of the total work: fluxes of dF and of m_bar from the Kirchhoff stress `tau` at dF_bar. */
-MPM_FN void FbarFlux(const MpmKernelPoint *point, const Sym *tau, const Tensor *dF, Scalar mean, Scalar flux[],
+MPM_FN void FbarFlux(const KernelPoint *point, const Sym *tau, const Tensor *dF, Scalar mean, Scalar flux[],
                      Scalar *mean_flux)
 {
   Scalar pressure = ScalarConstant(0.); /* tr tau/d */

@@ -19,7 +19,7 @@
 */
 #include "solid.h"
 
-static int SolidKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+static int SolidKernel(const KernelPoint *point, const Scalar input[], Scalar flux[])
 {
   const Tensor dF = TensorFromGradient(input);
   Sym          tau;

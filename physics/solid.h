@@ -5,16 +5,16 @@
 #include "talus/point/law.h"
 
 /* The law's answer; in a stage without motion, the stress that is there already. */
-MPM_FN int SolidStress(const MpmKernelPoint *point, const Tensor *dF, Sym *tau)
+MPM_FN int SolidStress(const KernelPoint *point, const Tensor *dF, Sym *tau)
 {
   if (!point->stress_n) return LawStress(point, dF, tau);
   *tau = SymLoad(point->stress_n);
-  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN)) *tau = SymScaleBy(MpmDeterminant(MPM_TENSOR, point->F_n), tau);
+  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN)) *tau = SymScaleBy(ArrayDetValue(point->F_n), tau);
   return 0;
 }
 
 /* The flux conjugate to du_a,b: V_0 (tau dF^{-T})_ab, or V_0 sigma_ac F_n,bc at small strain. */
-MPM_FN void SolidFlux(const MpmKernelPoint *point, const Sym *tau, const Tensor *dF, Scalar flux[])
+MPM_FN void SolidFlux(const KernelPoint *point, const Sym *tau, const Tensor *dF, Scalar flux[])
 {
   if (point->material.traits & MPM_LAW_SMALL_STRAIN) {
     for (int a = 0; a < MPM_DIM; a++) {
@@ -36,12 +36,12 @@ MPM_FN void SolidFlux(const MpmKernelPoint *point, const Sym *tau, const Tensor 
 }
 
 /* F and Cauchy stress of the step's end, where somebody asks: Jacobians do not. */
-MPM_FN void SolidKeep(const MpmKernelPoint *point, const Sym *tau, const Tensor *dF)
+MPM_FN void SolidKeep(const KernelPoint *point, const Sym *tau, const Tensor *dF)
 {
   if (point->end.F) {
     const Tensor F     = TensorMulArray(dF, point->F_n);
     const int    small = point->material.traits & MPM_LAW_SMALL_STRAIN;
-    const Sym    sigma = SymScaleBy(small ? 1. : 1. / TensorDetValue(&F), tau);
+    const Sym    sigma = SymScaleBy(small ? 1. : 1. / TensorDetReal(&F), tau);
 
     TensorStore(point->end.F, &F);
     SymStore(point->end.stress, &sigma);

@@ -37,7 +37,7 @@
 #define INPUTS (GRADIENTS + 1)
 
 /* The fluxes from dF, dF_bar and m_bar. */
-MPM_FN int Fluxes(const MpmKernelPoint *point, const Tensor *dF, const Tensor *dF_bar, Scalar mean, Scalar flux[])
+MPM_FN int Fluxes(const KernelPoint *point, const Tensor *dF, const Tensor *dF_bar, Scalar mean, Scalar flux[])
 {
   Sym tau;
 
@@ -48,7 +48,7 @@ MPM_FN int Fluxes(const MpmKernelPoint *point, const Tensor *dF, const Tensor *d
 }
 
 #if MPM_DIRECTIONS < 2
-static int SolidFbarKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+static int SolidFbarKernel(const KernelPoint *point, const Scalar input[], Scalar flux[])
 {
   const Tensor dF = TensorFromGradient(input);
   Tensor       dm;
@@ -62,8 +62,13 @@ static int SolidFbarKernel(const MpmKernelPoint *point, const Scalar input[], Sc
 }
 #endif
 
-#if MPM_DIRECTIONS != 1
-static int SolidFbarMean(const MpmKernelPoint *point, const double input[], double *m, double dm[], double ddm[])
+#if defined(MPM_SENSITIVITY)
+static int SolidFbarMean(const KernelPoint *point, const Scalar input[], Scalar *m, Scalar dm[])
+{
+  return FbarMeanAlong(point, input, m, dm);
+}
+#elif MPM_DIRECTIONS != 1
+static int SolidFbarMean(const KernelPoint *point, const double input[], double *m, double dm[], double ddm[])
 {
   return FbarMean(point, input, GRADIENTS, m, dm, ddm);
 }
@@ -78,7 +83,7 @@ static int SolidFbarMean(const MpmKernelPoint *point, const double input[], doub
   m_bar constant, dF_bar and tau do not change along the dilation E, so D : E = -P by the factor dF^{-T} alone (small
   strain: 0; the flux of m_bar: 0). Hence d = (A : E - D : E)/(dm_bar : E), and D.
 */
-static int SolidFbarTangent(const MpmKernelPoint *point, const double input[], double flux[], double tangent[])
+static int SolidFbarTangent(const KernelPoint *point, const double input[], double flux[], double tangent[])
 {
   const int small   = point->material.traits & MPM_LAW_SMALL_STRAIN;
   double   *by_mean = tangent + GRADIENTS * GRADIENTS, *of_mean = by_mean + GRADIENTS, *second = of_mean + GRADIENTS;

@@ -6,12 +6,38 @@
 #include "base/types.h"
 #include "talus/parts.h"
 
+typedef struct MpmColumnMap MpmColumnMap;
+
 typedef struct MpmColumns {
-  PetscInt   count;
-  MpmColumn *at;
-  PetscInt   name_count;
-  char     **names; /* of all columns, in their order */
+  PetscInt             count;
+  MpmColumn           *at;
+  const MpmColumnMap **map; /* by row; NULL: its values have no derivatives */
+  PetscInt             name_count;
+  char               **names; /* of all columns, in their order */
 } MpmColumns;
+
+/*
+  Derivatives of a row's values after a step; ctx is the column's.
+
+  along  changes of the values with the points' state at the step's end, and with the balance at the owned nodes
+         (residuals, of `block` components)
+  pull   adds to `end` the derivative of the sum of weight[k] times value k by that state, and subtracts from lam that
+  by
+         the residuals
+*/
+struct MpmColumnMap {
+  PetscErrorCode (*along)(MpmModel model, const MpmColumn *column, const MpmPointVector *end,
+                          const PetscReal residual[], PetscReal values[]);
+  PetscErrorCode (*pull)(MpmModel model, const MpmColumn *column, const PetscReal weight[], MpmPointVector *end,
+                         PetscReal lam[]);
+};
+
+/* Derivatives of the row that has been added last. */
+void MpmColumnsSetMap(MpmColumns *columns, const MpmColumnMap *map);
+/* The row with the column of this name, and its place in the row; -1 where there is none. */
+PetscInt MpmColumnsFind(const MpmColumns *columns, const char name[], PetscInt *part);
+/* Columns of a row. */
+PetscInt MpmColumnWidth(const MpmColumn *row);
 
 /* Ends of names along the axes. */
 extern const char *const MpmAxisParts[MPM_MAX_DIM];

@@ -15,18 +15,19 @@ typedef struct _p_MpmRegion *MpmRegion;
 typedef struct _p_MpmRamp   *MpmRamp;
 
 /* point, grid, particles */
-typedef struct MpmLayout     MpmLayout;
-typedef struct MpmMaterial   MpmMaterial;
-typedef struct MpmMaterials  MpmMaterials;
-typedef struct MpmVariations MpmVariations;
-typedef struct MpmGrid       MpmGrid;
-typedef struct MpmSplit      MpmSplit;
-typedef struct MpmBodies     MpmBodies;
-typedef struct _p_MpmBody   *MpmBody;
-typedef struct _p_MpmRamp   *MpmRamp;
-typedef struct MpmParked     MpmParked;
-typedef struct MpmParticles  MpmParticles;
-typedef struct MpmPoints     MpmPoints;
+typedef struct MpmLayout      MpmLayout;
+typedef struct MpmMaterial    MpmMaterial;
+typedef struct MpmMaterials   MpmMaterials;
+typedef struct MpmVariations  MpmVariations;
+typedef struct MpmGrid        MpmGrid;
+typedef struct MpmSplit       MpmSplit;
+typedef struct MpmBodies      MpmBodies;
+typedef struct _p_MpmBody    *MpmBody;
+typedef struct _p_MpmRamp    *MpmRamp;
+typedef struct MpmParked      MpmParked;
+typedef struct MpmParticles   MpmParticles;
+typedef struct MpmPoints      MpmPoints;
+typedef struct MpmPointVector MpmPointVector;
 /* The diagonal of U = sqrt(F^T F); non-zero where F has none. */
 typedef int (*MpmStretch)(const double *F, double *diagonal);
 

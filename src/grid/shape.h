@@ -95,6 +95,22 @@ void MpmShapeEvaluateAll(MpmShapeType type, MpmEdgeType edge, PetscInt count, co
 void MpmShapeExtend(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal by, PetscInt edge_lower,
                     PetscInt edge_upper, MpmShapeLine *line);
 /*
+  Derivatives of a line from MpmShapeEvaluate(), without smoothing, by the point's place and by the half-length of its
+  domain, both in cells (shape_slopes.c). On a knot, and where a domain ends on one, they are those of the intervals
+  that the line itself takes.
+*/
+typedef struct {
+  PetscReal xi, half_length;
+  PetscInt  edge_lower, edge_upper;
+} MpmShapePlace;
+typedef struct {
+  PetscReal *bend;               /* of the gradients by the place; weights have the gradients themselves */
+  PetscReal *weight_by_length;   /* 0 for shapes without domains */
+  PetscReal *gradient_by_length; /* likewise */
+} MpmShapeSlopes;
+void MpmShapeDifferentiate(MpmShapeType type, MpmEdgeType edge, const MpmShapePlace *at, const MpmShapeLine *line,
+                           const MpmShapeSlopes *slopes);
+/*
   Means over the cell of the nodal weights of a line from MpmShapeEvaluate() (shape_mean.c); where the domain lies in
   several cells, each counts by its share. Arguments as above.
 */

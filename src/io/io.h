@@ -195,6 +195,12 @@ typedef struct MpmSummary {
   PetscBool relaxes;
   PetscReal
     criteria[2]; /* of the last relaxation: times when its criteria were met first, and since when; s, -1: never */
+  struct {
+    PetscInt         count; /* of parameters; 0: none are asked for */
+    char *const     *names;
+    const PetscReal *values; /* derivatives of the objective */
+    PetscReal        objective;
+  } derivatives;
   PetscInt  changes[MPM_CHANGE_COUNT]; /* of settings that the run has made by itself */
   PetscReal memory_max;                /* bytes, sum over ranks of each rank's maximum resident size */
 } MpmSummary;

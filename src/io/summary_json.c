@@ -65,6 +65,24 @@ static PetscErrorCode AppendNumber(MpmTextFile *text, PetscReal value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* An objective and its gradient, to the last digit. */
+static PetscErrorCode AppendDerivatives(MpmTextFile *text, const MpmSummary *summary)
+{
+  const PetscInt count = summary->derivatives.count;
+
+  PetscFunctionBeginUser;
+  if (!count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(
+    MpmTextFileAppend(text, "  \"objective\": %.17g,\n  \"parameters\": [", (double)summary->derivatives.objective));
+  for (PetscInt k = 0; k < count; k++)
+    PetscCall(MpmTextFileAppend(text, "%s\"%s\"", k ? ", " : "", summary->derivatives.names[k]));
+  PetscCall(MpmTextFileAppend(text, "],\n  \"gradient\": ["));
+  for (PetscInt k = 0; k < count; k++)
+    PetscCall(MpmTextFileAppend(text, "%s%.17g", k ? ", " : "", (double)summary->derivatives.values[k]));
+  PetscCall(MpmTextFileAppend(text, "],\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode AppendSummary(MpmTextFile *text, PetscMPIInt ranks, const char *version,
                                     const MpmSummary *summary)
 {
@@ -93,6 +111,7 @@ static PetscErrorCode AppendSummary(MpmTextFile *text, PetscMPIInt ranks, const 
     any = 1;
   }
   PetscCall(MpmTextFileAppend(text, "},\n"));
+  PetscCall(AppendDerivatives(text, summary));
   PetscCall(MpmTextFileAppend(text, "  \"imbalance\": "));
   PetscCall(AppendNumber(text, summary->imbalance));
   PetscCall(MpmTextFileAppend(text, ",\n"));

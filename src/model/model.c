@@ -24,6 +24,7 @@
 #include "integrators/sdirk.h"
 #include "schedule/stage.h"
 #include "observe/results.h"
+#include "sensitivity/gradient.h"
 #include "checkpoint/checkpoint.h"
 #include "model/build.h"
 #include "model/laboratory.h"
@@ -207,6 +208,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   if (!model) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE, "a hook must not destroy its own model");
   if (model->state.particles->swarm) PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmGradientDestroy(&model->gradient));
   PetscCall(MpmLaboratoryDestroy(&model->laboratory));
   PetscCall(MpmSolverDestroy(&model->solver));
   PetscCall(MpmDiscretizationDestroy(&model->disc));

@@ -39,6 +39,7 @@
 #include "observe/lines.h"
 #include "observe/results.h"
 #include "observe/tracks.h"
+#include "sensitivity/gradient.h"
 #include "checkpoint/checkpoint.h"
 #include "model/build.h"
 #include "model/laboratory.h"
@@ -436,6 +437,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(ReadOutput(model, options));
   PetscCall(MpmCheckpointSetFromOptions(model, options));
   PetscCall(MpmSolverSetFromOptions(&model->solver, options));
+  PetscCall(MpmGradientRead(model, options));
   PetscCall(AddRows(model));
   PetscCall(MpmOptionsHas(options, "dim", &particular));
   if (MpmOptionsHelp() && !particular) PetscCall(MpmLaboratoryPrintHelp(model, options));

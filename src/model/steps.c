@@ -13,6 +13,7 @@
 #include "observe/history.h"
 #include "observe/lines.h"
 #include "observe/results.h"
+#include "sensitivity/gradient.h"
 #include "checkpoint/checkpoint.h"
 #include "model/build.h"
 #include "model/laboratory.h"
@@ -221,6 +222,7 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
     PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,
                               (double)model->state.time, why));
   }
+  if (!why && !interrupted) PetscCall(MpmGradientFind(model));
   PetscCall(MpmModelWriteSummary(model, why                  ? why
                                         : interrupted        ? "interrupted"
                                         : model->caller.stop ? "stopped"
@@ -240,6 +242,7 @@ static PetscErrorCode Run(MpmModel model)
   PetscCall(MpmTerminalBegin(model, NULL));
   PetscCall(OpenResults(model));
   model->results->history_step = model->state.step;
+  PetscCall(MpmGradientBegin(model));
   PetscCall(MpmCheckpointStep(model, &interrupted));
   while (!interrupted && !model->caller.stop && !AtEnd(model)) {
     const PetscInt before = model->state.step;
@@ -247,6 +250,7 @@ static PetscErrorCode Run(MpmModel model)
     PetscCall(TakeStep(model, &dt));
     if (model->caller.outcome.code && model->state.step == before) break;
     if (!model->state.scheme.rescuing.on && model->state.step > before) PetscCall(Report(model, dt));
+    if (model->state.step > before) PetscCall(MpmGradientRecord(model));
     if (!model->caller.outcome.code) PetscCall(MpmWaterFindHeave(model, &model->caller.outcome));
     if (model->caller.outcome.code) break;
     PetscCall(MpmCheckpointStep(model, &interrupted));

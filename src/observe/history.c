@@ -106,6 +106,13 @@ static PetscErrorCode AddCallers(MpmModel model, MpmColumns *columns)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmHistoryAddColumns(MpmModel model, MpmColumns *columns)
+{
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(parts); k++) PetscCall((*parts[k])(model, columns));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- the file ---- */
 
 PetscErrorCode MpmHistoryResume(MpmModel model, const char *path, PetscInt number, PetscInt columns,
@@ -155,7 +162,7 @@ PetscErrorCode MpmModelCreateHistory(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_OUTPUT, &since));
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(parts); k++) PetscCall((*parts[k])(model, &model->results->columns));
+  PetscCall(MpmHistoryAddColumns(model, &model->results->columns));
   PetscCall(MpmHistoryOpen(model));
   PetscCall(MpmLinesOpen(model));
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_OUTPUT, since));

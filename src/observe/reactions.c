@@ -7,6 +7,7 @@
 #include "bc/bc.h"
 #include "bc/body_motion.h"
 #include "geometry/rotations.h"
+#include "space/space.h"
 #include "contact/contact.h"
 #include "contact/rigid_body.h"
 #include "loads/body_surface.h"
@@ -31,6 +32,44 @@ static PetscErrorCode FillCondition(MpmModel model, const MpmColumn *column, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A condition's forces are the residuals of its nodes, of which each owner has all. */
+static PetscErrorCode ConditionAlong(MpmModel model, const MpmColumn *column, const MpmPointVector *end,
+                                     const PetscReal residual[], PetscReal values[])
+{
+  const MpmCondition *condition = &model->scene.bcs->at[column->index];
+  const PetscInt      bs = model->disc.block, count = model->scene.bcs->count + model->scene.motions->count;
+  PetscReal          *forces;
+
+  PetscFunctionBeginUser;
+  (void)end;
+  PetscCall(PetscCalloc1((count * bs), &forces));
+  MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, residual, forces);
+  for (PetscInt c = 0; c < condition->component_count; c++)
+    values[c] = forces[column->index * bs + condition->component[c]];
+  PetscCall(PetscFree(forces));
+  PetscCall(
+    MPIU_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)condition->component_count, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ConditionPull(MpmModel model, const MpmColumn *column, const PetscReal weight[],
+                                    MpmPointVector *end, PetscReal lam[])
+{
+  const MpmCondition *condition = &model->scene.bcs->at[column->index];
+  const PetscInt      bs        = model->disc.block;
+
+  PetscFunctionBeginUser;
+  (void)end;
+  for (PetscInt k = 0; k < model->disc.space->owned * bs; k++) {
+    if (model->disc.constraints->condition[k] != column->index) continue;
+    for (PetscInt c = 0; c < condition->component_count; c++)
+      if (condition->component[c] == k % bs) lam[k] -= weight[c];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const MpmColumnMap condition_map = {ConditionAlong, ConditionPull};
+
 /* By component, and along the normal of an inclined one. */
 static PetscErrorCode AddCondition(MpmModel model, PetscInt b, MpmColumns *columns)
 {
@@ -47,7 +86,9 @@ static PetscErrorCode AddCondition(MpmModel model, PetscInt b, MpmColumns *colum
   }
   if (condition->inclined) parts[row.count++] = "n";
   row.parts = parts;
-  if (row.count) PetscCall(MpmColumnsAdd(columns, model->scene.bcs->names[b], &row));
+  if (!row.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmColumnsAdd(columns, model->scene.bcs->names[b], &row));
+  if (!condition->inclined) MpmColumnsSetMap(columns, &condition_map);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -28,6 +28,8 @@ PetscErrorCode MpmResultsDestroy(MpmModel model)
   PetscCall(MpmNamesDestroy(results->states.derived_count, &results->states.derived));
   PetscCall(PetscFree(results->states.fields.at));
   PetscCall(PetscFree(results->added.fields.at));
+  PetscCall(PetscFree(results->derivatives.names));
+  PetscCall(PetscFree(results->derivatives.gradient));
   PetscCall(MpmColumnsDestroy(&results->columns));
   PetscCall(MpmColumnsDestroy(&results->added.columns));
   PetscCall(PetscFree(results->history_row));
@@ -113,7 +115,11 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                             .reduces                  = MpmStagesReduce(model),
                             .factor_of_safety         = model->state.safety.factor,
                             .relaxes                  = MpmStagesRelax(model),
-                            .criteria                 = {model->state.relaxing.first, model->state.relaxing.since}};
+                            .criteria                 = {model->state.relaxing.first, model->state.relaxing.since},
+                            .derivatives              = {.count     = model->results->derivatives.count,
+                                                         .names     = model->results->derivatives.names,
+                                                         .values    = model->results->derivatives.gradient,
+                                                         .objective = model->results->derivatives.objective}};
   char           path[PETSC_MAX_PATH_LEN];
   PetscLogDouble now;
 

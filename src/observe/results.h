@@ -100,6 +100,14 @@ typedef struct {
   MpmPointColumns fields;
 } MpmAdded;
 
+/* Derivatives of a number of the run, for the summary; `count` 0: none were asked for. */
+typedef struct {
+  PetscInt   count;
+  char     **names; /* of the parameters, borrowed */
+  PetscReal *gradient;
+  PetscReal  objective;
+} MpmDerivatives;
+
 struct MpmResults {
   MpmWrittenStates states;
   MpmHistory       history;
@@ -115,6 +123,7 @@ struct MpmResults {
   MpmLines         lines;
   MpmCheckpoint    checkpoint;
   MpmTerminal      terminal;
+  MpmDerivatives   derivatives;
 };
 
 /* Results (results.c). Destroy leaves the checkpoint. */

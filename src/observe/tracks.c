@@ -7,6 +7,7 @@
 #include "options/options.h"
 #include "geometry/geometry.h"
 #include "particles/particles.h"
+#include "query/point_vector.h"
 #include "particles/points.h"
 #include "particles/selection.h"
 #include "particles/body.h"
@@ -155,6 +156,37 @@ static PetscErrorCode FillTrack(MpmModel model, const MpmColumn *column, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Displacements are means over shares that add up to 1. */
+static PetscErrorCode TrackAlong(MpmModel model, const MpmColumn *column, const MpmPointVector *end,
+                                 const PetscReal residual[], PetscReal values[])
+{
+  PetscReal *share;
+
+  PetscFunctionBeginUser;
+  (void)residual;
+  for (PetscInt a = 0; a < end->dim; a++) values[a] = 0.;
+  PetscCall(MpmParticlesGetField(model->state.particles, model->results->tracks.at[column->index].share_field, &share));
+  for (PetscInt k = 0; k < end->count * end->dim; k++) values[k % end->dim] += share[k / end->dim] * end->x[k];
+  PetscCall(MpmParticlesRestoreField(model->state.particles, &share));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)end->dim, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TrackPull(MpmModel model, const MpmColumn *column, const PetscReal weight[], MpmPointVector *end,
+                                PetscReal lam[])
+{
+  PetscReal *share;
+
+  PetscFunctionBeginUser;
+  (void)lam;
+  PetscCall(MpmParticlesGetField(model->state.particles, model->results->tracks.at[column->index].share_field, &share));
+  for (PetscInt k = 0; k < end->count * end->dim; k++) end->x[k] += share[k / end->dim] * weight[k % end->dim];
+  PetscCall(MpmParticlesRestoreField(model->state.particles, &share));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const MpmColumnMap track_map = {TrackAlong, TrackPull};
+
 PetscErrorCode MpmTracksAddColumns(MpmModel model, MpmColumns *columns)
 {
   static const char *const parts[] = {"ux", "uy", "uz"};
@@ -164,6 +196,7 @@ PetscErrorCode MpmTracksAddColumns(MpmModel model, MpmColumns *columns)
     const MpmColumn row = {"track", "m", model->disc.dim, parts, FillTrack, NULL, t};
 
     PetscCall(MpmColumnsAdd(columns, model->results->tracks.names[t], &row));
+    MpmColumnsSetMap(columns, &track_map);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -40,6 +40,8 @@ void MpmModelExchange(MpmModel model, MpmProblem *problem);
 /* Results and progress, and the test of a stress point, which are the run's. */
 typedef struct MpmResults    MpmResults;
 typedef struct MpmLaboratory MpmLaboratory;
+/* Derivatives of a run (sensitivity/gradient.h) */
+typedef struct MpmGradient MpmGradient;
 
 struct _p_MpmModel {
   MPI_Comm          comm;
@@ -54,4 +56,5 @@ struct _p_MpmModel {
   MpmSolver         solver;
   MpmResults       *results;
   MpmLaboratory    *laboratory; /* NULL: the scene has a grid and bodies */
+  MpmGradient      *gradient;   /* NULL: no derivatives are asked for */
 };

@@ -44,6 +44,18 @@ void MpmSpaceSmoothBasis(const MpmSpace *space, const PetscInt count[], PetscInt
   }
 }
 
+void MpmBasisZero(const MpmBasis *basis, PetscInt dim, PetscInt n)
+{
+  for (PetscInt b = 0; b <= dim; b++)
+    for (PetscInt i = 0; i < n; i++) basis->basis[b][i] = 0.;
+}
+
+void MpmBasisAdd(PetscReal factor, const MpmBasis *from, PetscInt dim, PetscInt n, const MpmBasis *to)
+{
+  for (PetscInt b = 0; b <= dim; b++)
+    for (PetscInt i = 0; i < n; i++) to->basis[b][i] += factor * from->basis[b][i];
+}
+
 /* Nothing but the nodes of a group. */
 static MpmKnown NodesOf(const MpmSpace *space, const MpmGroup *group)
 {

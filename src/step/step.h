@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "bc/bc.h"
+#include "space/rules.h"
 #include "talus/talus.h"
 
 /* ---- step_trial.c ---- */
@@ -16,6 +17,12 @@
 PetscErrorCode MpmStepPrepare(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome);
 
 /* ---- step_begin.c ---- */
+
+/* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
+PetscReal MpmStepLoadFactor(const MpmModel model, PetscInt load, PetscReal time);
+/* Rules of the space in a step to `time`. The ghost penalty is for matrices: a step that solves for nothing has
+   none. */
+MpmRules MpmStepRules(MpmModel model, PetscReal time);
 
 /*
   Space, conditions and loads of a step, as MpmStepPrepare() has them: without a solver and a start for it. For an

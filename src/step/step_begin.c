@@ -20,16 +20,14 @@
 #include "step/step.h"
 #include "step/water_state.h"
 
-/* The factor of a load or surface in a step to `time`: that of its end, or with a part of that of its start. */
-static PetscReal StepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
+PetscReal MpmStepLoadFactor(const MpmModel model, PetscInt load, PetscReal time)
 {
   const PetscReal part = model->state.scheme.load_at_start, end = MpmModelLoadFactor(model, load, time);
 
   return part > 0. ? (1. - part) * end + part * MpmModelLoadFactor(model, load, model->state.time) : end;
 }
 
-/* The ghost penalty is for matrices: a step that solves for nothing has none. */
-static MpmRules Rules(MpmModel model, PetscReal time)
+MpmRules MpmStepRules(MpmModel model, PetscReal time)
 {
   const MpmStage         *stage  = &model->scene.stages.at[model->state.stage];
   const MpmIntegratorType motion = stage->time.motion.type;
@@ -61,7 +59,7 @@ static MpmRules Rules(MpmModel model, PetscReal time)
     const MpmLoad *load = &model->scene.loads->at[l];
 
     for (PetscInt a = 0; load->type == MPM_LOAD_GRAVITY && a < model->disc.dim; a++)
-      rules.gravity[a] += StepLoadFactor(model, l, time) * load->value[a];
+      rules.gravity[a] += MpmStepLoadFactor(model, l, time) * load->value[a];
   }
   return rules;
 }
@@ -87,7 +85,7 @@ static PetscErrorCode PrepareSpace(MpmModel model, const MpmRules *rules, MpmOut
 
 PetscErrorCode MpmStepSpace(MpmModel model, MpmOutcome *outcome)
 {
-  const MpmRules rules = Rules(model, model->state.time);
+  const MpmRules rules = MpmStepRules(model, model->state.time);
 
   PetscFunctionBeginUser;
   MpmOutcomeClear(outcome);
@@ -193,7 +191,7 @@ static PetscErrorCode AddIncoming(MpmModel model, PetscReal time, PetscReal end,
 
 PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, PetscReal force[])
 {
-  const MpmRules  rules = Rules(model, time);
+  const MpmRules  rules = MpmStepRules(model, time);
   const PetscReal start = 0.5 - part;
 
   PetscFunctionBeginUser;
@@ -217,7 +215,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   if (!outcome->code) PetscCall(FindLostMaterial(model, time, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
-    model->disc.context.surfaces->factor[k]   = StepLoadFactor(model, model->scene.loads->count + k, time);
+    model->disc.context.surfaces->factor[k]   = MpmStepLoadFactor(model, model->scene.loads->count + k, time);
     model->disc.context.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
   }
   model->disc.context.surfaces->still = model->state.scheme.water_held;
@@ -229,7 +227,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
     const MpmLoad *load = &model->scene.loads->at[l];
 
     if (load->type != MPM_LOAD_GRAVITY || !model->state.scheme.integrator->length)
-      PetscCall(MpmLoadApply(load, StepLoadFactor(model, l, time), rules, model->disc.sum, model->state.particles,
+      PetscCall(MpmLoadApply(load, MpmStepLoadFactor(model, l, time), rules, model->disc.sum, model->state.particles,
                              model->disc.nodal.force));
   }
   PetscCall(MpmChangeAdd(model, time, model->disc.nodal.force));
@@ -259,7 +257,7 @@ static void SetSums(MpmModel model, const MpmRules *rules, PetscReal time, Petsc
 
 PetscErrorCode MpmStepBegin(MpmModel model, PetscReal time, PetscReal dt, PetscBool again, MpmOutcome *outcome)
 {
-  const MpmRules rules = Rules(model, time);
+  const MpmRules rules = MpmStepRules(model, time);
   PetscLogDouble since;
 
   PetscFunctionBeginUser;

@@ -516,6 +516,56 @@ START_TEST(gradient_by_differences)
 }
 END_TEST
 
+/* True where a point's ends, or the point, lie so close to a knot that differences meet two intervals. */
+static PetscBool NearKnot(MpmShapeType type, PetscReal xi, PetscReal l, PetscReal close)
+{
+  const PetscReal offset   = MpmShapeDegree(type) % 2 ? 0. : 0.5;
+  const PetscReal places[] = {xi - (MpmShapeHasDomain(type) ? l : 0.), xi + (MpmShapeHasDomain(type) ? l : 0.)};
+
+  for (int k = 0; k < 2; k++)
+    if (fabs(places[k] - offset - round(places[k] - offset)) < close) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Derivatives of weights and gradients by the place and the half-length are what central differences give. */
+static void CheckSlopes(void)
+{
+  const PetscReal eps = 1e-6;
+
+  for (int k = 0; k < MPM_SHAPE_COUNT * (UNIT_SANITIZED ? 500 : 5000); k++) {
+    const MpmShapeType type = (MpmShapeType)(k % MPM_SHAPE_COUNT);
+    const PetscReal    xi = Uniform(0.1, 5.9), l = PetscMin(Uniform(0.05, 2.), PetscMin(xi, 6. - xi) - 4. * eps),
+                    reach = 1e-7 / (l * l);
+    PetscReal            slope[3][WIDE];
+    Shape                s     = Evaluate(type, xi, l, 0, 6);
+    const MpmShapeLine   line  = {.first = s.first, .count = s.count, .weight = s.weight, .gradient = s.gradient};
+    const MpmShapeSlopes by    = {slope[0], slope[1], slope[2]};
+    const Shape          at[4] = {Evaluate(type, xi - eps, l, 0, 6), Evaluate(type, xi + eps, l, 0, 6),
+                                  Evaluate(type, xi, l - eps, 0, 6), Evaluate(type, xi, l + eps, 0, 6)};
+
+    if (NearKnot(type, xi, l, 3. * eps)) continue;
+    MpmShapeDifferentiate(type, edge, &(MpmShapePlace){xi, l, 0, 6}, &line, &by);
+    for (PetscInt i = 0; i < s.count; i++) {
+      const PetscInt node = s.first + i;
+
+      CHECK_POINT(fabs((Gradient(&at[1], node) - Gradient(&at[0], node)) / (2. * eps) - slope[0][i]) < reach &&
+                    fabs((Weight(&at[3], node) - Weight(&at[2], node)) / (2. * eps) - slope[1][i]) < reach &&
+                    fabs((Gradient(&at[3], node) - Gradient(&at[2], node)) / (2. * eps) - slope[2][i]) < reach,
+                  "type %d at %.17g, l %.17g, node %d: %g %g %g", (int)type, xi, l, (int)node, slope[0][i], slope[1][i],
+                  slope[2][i]);
+    }
+  }
+}
+
+START_TEST(slopes_by_differences)
+{
+  CheckSlopes();
+  edge = MPM_EDGE_OPEN;
+  CheckSlopes();
+  edge = MPM_EDGE_LINEAR;
+}
+END_TEST
+
 /* Tiny domains: the weights tend to the point's, and a domain centred on a node has no preferred side. */
 START_TEST(tiny_domains)
 {
@@ -542,7 +592,7 @@ int main(int argc, char **argv)
   const TTest *const tests[] = {
     gimp_table,         gimp_bspline2_table,     edge_values,  node_counts, widths,
     identities,         edge_interpolates,       shifted_edge, open_edges,  where_open_edges_end,
-    against_quadrature, gradient_by_differences, tiny_domains, smoothed};
+    against_quadrature, gradient_by_differences, tiny_domains, smoothed,    slopes_by_differences};
 
   return UnitRun(&argc, &argv, "shape", sizeof(tests) / sizeof(tests[0]), tests);
 }

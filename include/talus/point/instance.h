@@ -106,7 +106,26 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
   { \
     __VA_ARGS__ \
   }
-#if MPM_DIRECTIONS == 0
+#if defined(MPM_SENSITIVITY)
+#define MPM_KERNEL_SENSITIVITY(name_, inputs_, kernel_) \
+  static int Sensitivity_##name_(const MpmKernelPoint *values, const double *input, \
+                                 const MpmKernelDirection *direction, double *flux, double *dflux, \
+                                 const MpmKernelEnd *derivative) \
+  { \
+    Real              F_n[MPM_TENSOR], F[MPM_TENSOR], stress[MPM_SYM]; \
+    Scalar            in[inputs_], out[inputs_]; \
+    const KernelPoint point = KernelPointCreate(values, direction, derivative, F_n, F, stress); \
+\
+    LawJoin(inputs_, input, direction->input, in); \
+    if (kernel_(&point, in, out)) return 1; \
+    LawSplit(inputs_, out, flux, dflux); \
+    KernelSplitEnd(&point, derivative); \
+    return 0; \
+  }
+#define MPM_KERNEL(name_, inputs_, kernel_) \
+  MPM_KERNEL_SENSITIVITY(name_, inputs_, kernel_) \
+  MPM_KERNEL_CREATE(name_, set->sensitivity = Sensitivity_##name_;)
+#elif MPM_DIRECTIONS == 0
 #define MPM_KERNEL_FORM                     MPM_FORM_RESIDUAL
 #define MPM_KERNEL(name_, inputs_, kernel_) MPM_KERNEL_CREATE(name_, set->inputs = inputs_; set->residual = kernel_;)
 #elif MPM_DIRECTIONS == 1
@@ -151,9 +170,27 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 
 /*
   MPM_KERNEL_MEAN(name, inputs, kernel, mean, tangent) - the same for a kernel whose last input is a mean over the cell;
-  it brings its own tangent, with as many directions as it takes for that
+  it brings its own tangent, with as many directions as it takes for that. In the instances with MPM_SENSITIVITY `mean`
+  takes a KernelPoint and Scalars: int mean(point, input, Scalar *m, Scalar dm[])
 */
-#if MPM_DIRECTIONS == 0
+#if defined(MPM_SENSITIVITY)
+#define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_, tangent_) \
+  MPM_KERNEL_SENSITIVITY(name_, inputs_, kernel_) \
+  static int MeanSensitivity_##name_(const MpmKernelPoint *values, const double *input, \
+                                     const MpmKernelDirection *direction, double m[2], double *dm, double *ddm) \
+  { \
+    Real              F_n[MPM_TENSOR]; \
+    Scalar            in[(inputs_)-1], mean, derivative[(inputs_)-1]; \
+    const KernelPoint point = KernelPointCreate(values, direction, NULL, F_n, NULL, NULL); \
+\
+    LawJoin((inputs_)-1, input, direction->input, in); \
+    if (mean_(&point, in, &mean, derivative)) return 1; \
+    LawSplit(1, &mean, &m[0], &m[1]); \
+    LawSplit((inputs_)-1, derivative, dm, ddm); \
+    return 0; \
+  } \
+  MPM_KERNEL_CREATE(name_, set->sensitivity = Sensitivity_##name_; set->mean_sensitivity = MeanSensitivity_##name_;)
+#elif MPM_DIRECTIONS == 0
 #define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_, tangent_) \
   MPM_KERNEL_CREATE(name_, set->inputs = inputs_; set->residual = kernel_; set->mean = mean_;)
 #elif MPM_DIRECTIONS == 1

@@ -10,8 +10,8 @@
     MPM_DIRECTIONS   number of derivative directions that a Scalar carries: 0 (plain double), 1 (one direction, for
                      Jacobian actions and colouring), or one for each component of dF (a point's whole tangent). A
                      physics may have as many directions as inputs: LawStress() composes a law's by the chain rule
-    MPM_SENSITIVITY  defined in one more instance of every law, of one direction: that of anything the law is given,
-                     history, deformation, parameters and dF. Real is a double in all others
+    MPM_SENSITIVITY  defined in one more instance of every law, and of some physics, of one direction: that of anything
+                     they are given, history, deformation, parameters and dF. Real is a double in all others
 
   Every symbol with external linkage carries the instance in its name through MPM_INSTANCE(). Nothing here or in a
   kernel calls PETSc, allocates, does I/O or touches a global, and all of it is in the common subset of C11 and CUDA
@@ -83,5 +83,8 @@ typedef int (*MPM_INSTANCE(MpmKernel))(const MpmKernelPoint *point, const Scalar
 #include "instance.h"
 
 #if !defined(MPM_SENSITIVITY)
+/* A point as a physics' kernel sees it; in the instances that differentiate by the state at the step's start
+   another type. */
+typedef MpmKernelPoint KernelPoint;
 #include "compose.h"
 #endif

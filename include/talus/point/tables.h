@@ -269,6 +269,16 @@ typedef struct {
 } MpmKernelPoint;
 
 /*
+  A direction in which all that a kernel depends on at a point changes; NULL: that does not. Numbers of tables, of the
+  physics and of time do not change.
+*/
+typedef struct {
+  const double *input;     /* of the kernel */
+  const double *parameter; /* of the law, in the order of its table */
+  const double *state_n, *F_n;
+} MpmKernelDirection;
+
+/*
   A physics' compiled kernel of one kinematics, plain doubles in and out, one function a form; each returns non-zero for
   a domain error.
 
@@ -279,7 +289,10 @@ typedef struct {
   mean        NULL, or m, of whose mean over the points of the cell the last input is the value, and its derivatives by
               the other inputs. Where the residual derives from an energy, so must the flux of the mean, and the engine
               adds the contribution of the points' own m to the other fluxes.
-  mean_tangent  as `mean`, and the second derivatives too: ddm[k*(inputs - 1) + l]
+  mean_tangent  as `mean`, and the second derivatives too: ddm[k*(inputs - 1) + l] sensitivity   flux and point->end,
+  and their derivatives in a direction, dflux and `derivative`, whose members are there
+                where those of point->end are; NULL: the physics has no derivatives beyond those by its inputs
+  mean_sensitivity  m[0] and dm, and their derivatives in a direction, m[1] and ddm; with `mean` and `sensitivity`
 */
 typedef struct {
   int inputs;
@@ -288,6 +301,10 @@ typedef struct {
   int (*tangent)(const MpmKernelPoint *point, const double *input, double *flux, double *tangent);
   int (*mean)(const MpmKernelPoint *point, const double *input, double *m, double *dm, double *ddm);
   int (*mean_tangent)(const MpmKernelPoint *point, const double *input, double *m, double *dm, double *ddm);
+  int (*sensitivity)(const MpmKernelPoint *point, const double *input, const MpmKernelDirection *direction,
+                     double *flux, double *dflux, const MpmKernelEnd *derivative);
+  int (*mean_sensitivity)(const MpmKernelPoint *point, const double *input, const MpmKernelDirection *direction,
+                          double m[2], double *dm, double *ddm);
 } MpmKernelSet;
 
 /*

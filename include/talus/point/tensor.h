@@ -77,9 +77,15 @@ MPM_FN Tensor TensorFromGradient(const Scalar *gradient)
   return c;
 }
 
-MPM_FN void TensorStore(double *values, const Tensor *A)
+/* Its values */
+MPM_FN void TensorValues(double *values, const Tensor *A)
 {
   for (int i = 0; i < MPM_TENSOR; ++i) values[i] = ScalarValue(A->a[i]);
+}
+
+MPM_FN void TensorStore(Real *values, const Tensor *A)
+{
+  for (int i = 0; i < MPM_TENSOR; ++i) values[i] = ScalarReal(A->a[i]);
 }
 
 MPM_FN Tensor TensorTranspose(const Tensor *A)
@@ -203,7 +209,7 @@ MPM_FN Scalar TensorDetByCofactors(const Tensor *A)
   double values[MPM_TENSOR], cofactor[MPM_TENSOR];
   Scalar det;
 
-  TensorStore(values, A);
+  TensorValues(values, A);
   det = ScalarConstant(MpmCofactors(MPM_TENSOR, values, cofactor));
   for (int i = 0; i < MPM_TENSOR; ++i) ScalarAddDirections(&det, cofactor[i], &A->a[i]);
   return det;
@@ -215,8 +221,18 @@ MPM_FN double TensorDetValue(const Tensor *A)
 {
   double values[MPM_TENSOR];
 
-  TensorStore(values, A);
+  TensorValues(values, A);
   return MpmDeterminant(MPM_TENSOR, values);
+}
+
+/* det A as history: without its derivatives by the increment */
+MPM_FN Real TensorDetReal(const Tensor *A)
+{
+#if defined(MPM_SENSITIVITY)
+  return TensorDet(A);
+#else
+  return TensorDetValue(A);
+#endif
 }
 
 /* The determinant of a matrix of Reals, row-major */

@@ -1,0 +1,84 @@
+/*
+  Derivatives of one-dimensional shape functions by the place x and the half-length l of the point's domain.
+
+  With N the spline's functions and [x - l, x + l] the domain, S = 1/(2l) int N dr and its gradient G = 1/(2l) int N' dr
+  = (N(x + l) - N(x - l))/(2l) have
+
+    dG/dx = (N'(x + l) - N'(x - l))/(2l),    dS/dl = (N(x + l) + N(x - l))/(2l) - S/l,
+    dG/dl = (N'(x + l) + N'(x - l))/(2l) - G/l.
+
+  Without a domain G = N' is a polynomial of degree 2 at most, whose derivative the difference over a cell gives
+  exactly.
+*/
+#include "talus/compat.h"
+#include "grid/shape.h"
+
+#include <math.h>
+
+/* Shape, ends, and edges of a line. */
+typedef struct {
+  MpmShapeType type;
+  MpmEdgeType  edge;
+  PetscInt     lower, upper;
+} Axis;
+
+/* Middle of the first knot interval, and number of intervals between the edges. */
+static PetscReal FirstMiddle(const Axis *axis, PetscInt *count)
+{
+  const PetscBool even = (PetscBool)(MpmShapeDegree(axis->type) % 2 == 0);
+
+  *count = axis->upper - axis->lower + (even ? 1 : 0);
+  return (PetscReal)axis->lower + (even ? 0. : 0.5);
+}
+
+/* Adds factors times the polynomials of the interval about `middle`, and their derivatives, at a place. */
+static void Add(const Axis *axis, PetscReal middle, PetscReal place, const PetscReal factor[2],
+                const MpmShapeLine *line, PetscReal values[], PetscReal slopes[])
+{
+  PetscReal    weight[MPM_MAX_WIDTH], gradient[MPM_MAX_WIDTH];
+  MpmShapeLine there = {.weight = weight, .gradient = gradient};
+
+  MpmShapeExtend(axis->type, axis->edge, middle, place - middle, axis->lower, axis->upper, &there);
+  for (PetscInt k = 0; k < there.count; k++) {
+    const PetscInt i = there.first + k - line->first;
+
+    if (i < 0 || i >= line->count) continue;
+    if (values) values[i] += factor[0] * weight[k];
+    slopes[i] += factor[1] * gradient[k];
+  }
+}
+
+void MpmShapeDifferentiate(MpmShapeType type, MpmEdgeType edge, const MpmShapePlace *at, const MpmShapeLine *line,
+                           const MpmShapeSlopes *slopes)
+{
+  const Axis      axis = {type, edge, at->edge_lower, at->edge_upper};
+  const PetscReal l = MpmShapeHasDomain(type) ? at->half_length : 0., xi = at->xi,
+                  reach = l * (1. - 2. * MPM_SHAPE_TOUCH);
+  PetscInt        count;
+  const PetscReal start = FirstMiddle(&axis, &count);
+  const PetscInt  here  = PetscClipInterval((PetscInt)floor(xi - start + 0.5), 0, count - 1);
+  PetscInt        low = here, high = here;
+
+  for (PetscInt i = 0; i < line->count; i++)
+    slopes->bend[i] = slopes->weight_by_length[i] = slopes->gradient_by_length[i] = 0.;
+  if (l <= MPM_SHAPE_POINT) {
+    const PetscReal middle = start + (PetscReal)here;
+
+    Add(&axis, middle, xi + 0.5, (PetscReal[]){0., 1.}, line, NULL, slopes->bend);
+    Add(&axis, middle, xi - 0.5, (PetscReal[]){0., -1.}, line, NULL, slopes->bend);
+    return;
+  }
+  while (low > 0 && start + (PetscReal)low - 0.5 > xi - reach) low--;
+  while (high < count - 1 && start + (PetscReal)high + 0.5 < xi + reach) high++;
+  for (PetscInt end = -1; end <= 1; end += 2) {
+    const PetscReal middle = start + (PetscReal)(end < 0 ? low : high), part = 0.5 / l;
+
+    Add(&axis, middle, xi + (PetscReal)end * l, (PetscReal[]){0., (PetscReal)end * part}, line, NULL, slopes->bend);
+    Add(&axis, middle, xi + (PetscReal)end * l, (PetscReal[]){part, part}, line, slopes->weight_by_length,
+        slopes->gradient_by_length);
+  }
+  for (PetscInt i = 0; i < line->count; i++) {
+    slopes->weight_by_length[i] -= line->weight[i] / l;
+    slopes->gradient_by_length[i] -= line->gradient[i] / l;
+  }
+}

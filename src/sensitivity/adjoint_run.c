@@ -1,0 +1,81 @@
+/*
+  The adjoint run: from the last step to the first, the derivative of the objectives by each step's start, and by all
+  parameters.
+
+    J^T lam = dc/du^T s'bar ,   L = s'bar . c - lam . r ,   sbar = dL/ds ,   pbar += dL/dp
+
+  A reaction is a residual of constrained nodes: its weight stands there in lam.
+*/
+#include "base/columns.h"
+#include "query/point_vector.h"
+#include "space/space.h"
+#include "bc/bc.h"
+#include "observe/results.h"
+#include "sensitivity/replayed_step.h"
+
+/* Adds the derivatives of the objectives by the end of step n, and their part of lam at the owned nodes. */
+static PetscErrorCode PullObjectives(MpmModel model, PetscInt n, MpmPointVector *end, PetscReal lam[])
+{
+  const MpmGradient *gradient = model->gradient;
+
+  PetscFunctionBeginUser;
+  for (PetscInt o = 0; o < gradient->objectives.count; o++) {
+    const MpmObjective *objective                  = &gradient->objectives.at[o];
+    const MpmColumn    *row                        = &model->results->columns.at[objective->row];
+    PetscReal           weights[MPM_MAX_BLOCK + 1] = {0.};
+
+    weights[objective->part] = MpmGradientWeight(gradient, o, n);
+    if (weights[objective->part] != 0.)
+      PetscCall((*model->results->columns.map[objective->row]->pull)(model, row, weights, end, lam));
+  }
+  PetscCall(MpmSpaceToGhosts(model->disc.space, model->disc.block, lam));
+  MpmConstraintsExtend(model->disc.constraints, model->disc.space, lam);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One step: `vector`, the derivative by its end, becomes that by its start. */
+static PetscErrorCode StepPull(MpmModel model, PetscInt n, const MpmStepMap *map, MpmPointVector *vector,
+                               PetscReal values[])
+{
+  const PetscInt count = model->disc.space->local * model->disc.block;
+  MpmPointVector start = {0}, end = {0};
+  PetscReal     *lam, *ubar, *solved;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc3((count + 1), &lam, (count + 1), &ubar, (count + 1), &solved));
+  PetscCall(MpmStepVectorCreate(map, &start));
+  PetscCall(MpmStepVectorCreate(map, &end));
+  PetscCall(MpmPointVectorMove(model->comm, vector, &end));
+  PetscCall(MpmPointVectorDestroy(vector));
+  PetscCall(PullObjectives(model, n, &end, lam));
+  PetscCall(MpmPointsPullSolution(map, &end, lam, ubar));
+  PetscCall(MpmReplayedSolve(model, PETSC_TRUE, ubar, solved));
+  for (PetscInt k = 0; k < count; k++) lam[k] += solved[k];
+  PetscCall(MpmPointsPullStart(map, &end, lam, &start, values));
+  PetscCall(MpmLoadsPull(map, lam, values));
+  *vector = start;
+  PetscCall(MpmPointVectorDestroy(&end));
+  PetscCall(PetscFree3(lam, ubar, solved));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[])
+{
+  MpmGradient   *gradient = model->gradient;
+  const PetscInt count    = gradient->parameters.count;
+  MpmPointVector vector   = {0};
+
+  PetscFunctionBeginUser;
+  for (PetscInt n = gradient->tape.count - 1; n >= 0; n--) {
+    MpmReplayedStep step;
+
+    PetscCall(MpmTapeReplay(model, &gradient->tape, n));
+    PetscCall(MpmReplayedStepCreate(model, n, &step));
+    PetscCall(MpmReplayedSolveSetUp(model));
+    PetscCall(StepPull(model, n, &step.map, &vector, values));
+    PetscCall(MpmReplayedStepDestroy(&step));
+  }
+  PetscCall(MpmPointVectorDestroy(&vector));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

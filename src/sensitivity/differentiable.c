@@ -1,0 +1,91 @@
+/*
+  Parts of a scene whose derivatives are not there yet: refused by name, before anything is written.
+*/
+#include "point/layout.h"
+#include "point/material.h"
+#include "grid/grid.h"
+#include "particles/particles.h"
+#include "space/space.h"
+#include "bc/bc.h"
+#include "bc/body_motion.h"
+#include "volume/added_term.h"
+#include "rigid/rigid.h"
+#include "pairs/body_contact.h"
+#include "loads/body_surface.h"
+#include "loads/load.h"
+#include "query/query.h"
+#include "sensitivity/gradient.h"
+
+/* A part, and whether the scene has it. */
+typedef struct {
+  const char *name;
+  PetscBool   there;
+} Part;
+
+/* The first load of a kind that has no derivative, or NULL. */
+static const char *FindLoad(const MpmScene *scene)
+{
+  for (PetscInt l = 0; l < scene->loads->count; l++) {
+    const MpmLoad *load = &scene->loads->at[l];
+
+    if (load->type == MPM_LOAD_TRACTION) return "tractions on points (-mpm_load_..._type traction)";
+    if (load->type == MPM_LOAD_FLUX) return "sources of water (-mpm_load_..._type flux)";
+    if (load->type == MPM_LOAD_GRAVITY && scene->shape.type == MPM_SHAPE_GIMP_BSPLINE2)
+      return "gravity with -mpm_shape gimp_bspline2";
+  }
+  return NULL;
+}
+
+static PetscBool AnyInclined(const MpmConditions *conditions)
+{
+  for (PetscInt b = 0; b < conditions->count; b++)
+    if (conditions->at[b].inclined || conditions->at[b].absorbing) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static PetscErrorCode CheckParts(const MpmModel model)
+{
+  const MpmScene *scene   = &model->scene;
+  const MpmStage *stage   = &scene->stages.at[0];
+  const Part      parts[] = {
+         {"more than one stage", (PetscBool)(scene->stages.count > 1)},
+         {"inertia (-mpm_time_integrator)", (PetscBool)(stage->time.motion.type != MPM_QUASISTATIC)},
+         {"a geostatic stage", MpmStagesAreGeostatic(model)},
+         {"a reduction of strength", MpmStagesReduce(model)},
+         {"a relaxation", (PetscBool)(MpmStagesRelax(model) || stage->time.rescue)},
+         {"steps of two stages (-mpm_time_scheme)", stage->time.second},
+         {"axial symmetry", (PetscBool)(scene->deformation.kinematics == MPM_AXISYMMETRY)},
+         {"boundaries", (PetscBool)(scene->boundaries->count > 0)},
+         {"contacts", (PetscBool)(scene->pairs->count > 0)},
+         {"motions", (PetscBool)(scene->motions->count > 0)},
+         {"surfaces", (PetscBool)(scene->surfaces->count > 0)},
+         {"terms from plugins", (PetscBool)(scene->terms->count > 0)},
+         {"conditions along a normal, and absorbing ones", AnyInclined(scene->bcs)},
+         {"a body force of the caller", (PetscBool)(scene->body_force.function != NULL)},
+         {"the ghost penalty (-mpm_stabilization_ghost)", (PetscBool)(model->disc.matrix.ghost > 0.)},
+         {"the penalty on all faces (-mpm_stabilization_interior)", (PetscBool)(scene->stabilization.interior > 0.)},
+         {"smoothed strains (-mpm_stabilization_smooth)", (PetscBool)(scene->stabilization.smooth > 0.)},
+         {"a moving grid", (PetscBool)(scene->follow.what != MPM_FOLLOW_NOTHING)},
+  };
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(parts); k++)
+    MpmCheckInput(!parts[k].there, "-mpm_task gradient: there are no derivatives yet with %s", parts[k].name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGradientCheckScene(const MpmModel model)
+{
+  const char *load = FindLoad(&model->scene);
+
+  PetscFunctionBeginUser;
+  PetscCall(CheckParts(model));
+  MpmCheckInput(!load, "-mpm_task gradient: there are no derivatives yet with %s", load);
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    MpmCheckInput(!model->scene.materials->at[m].dilatancy,
+                  "-mpm_task gradient: there are no derivatives yet with F-bar where plastic flow dilates; "
+                  "-mpm_stabilization_fbar false does without");
+  MpmCheckInput(model->disc.layout->kernel->sensitivity,
+                "-mpm_task gradient: there are no derivatives yet with -mpm_physics %s", model->scene.physics.name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,162 @@
+/*
+  The task `gradient`: a run, and the derivatives of its objectives by its parameters.
+*/
+#include "base/columns.h"
+#include "options/options.h"
+#include "grid/grid.h"
+#include "observe/history.h"
+#include "observe/results.h"
+#include "sensitivity/gradient.h"
+#include "sensitivity/replayed_step.h"
+
+#define MEMORY 4e9 /* bytes for the states of the steps, by default */
+
+static PetscErrorCode ReadBlocks(MpmModel model, const MpmOptions *options, MpmGradient *gradient)
+{
+  static const char *const methods[] = {"adjoint", "tangent", NULL};
+  const MpmOptions         block     = {options->comm, "mpm_gradient_", options->record};
+  PetscInt                 method    = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHeading(&block, "Derivatives of a run (-mpm_task gradient)"));
+  PetscCall(MpmOptionsWord(&block, "method",
+                           "adjoint: one run backward for any number of parameters; tangent: one forward for each",
+                           methods, MPM_OPTIONAL, &method, NULL));
+  gradient->method     = (MpmGradientMethod)method;
+  gradient->tape.limit = MEMORY;
+  PetscCall(MpmOptionsReal(&block, "memory", "bytes", "for the states of the steps, over all ranks", MPM_RANGE_POSITIVE,
+                           MPM_OPTIONAL, &gradient->tape.limit, NULL));
+  PetscCall(MpmSceneParametersRead(model, options, &gradient->parameters));
+  PetscCall(MpmObjectivesRead(model, options, &gradient->objectives));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The objectives' columns among those that the history will have. */
+static PetscErrorCode FindColumns(MpmModel model)
+{
+  MpmColumns columns = {0};
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmHistoryAddColumns(model, &columns));
+  PetscCall(MpmObjectivesFind(&columns, &model->gradient->objectives));
+  PetscCall(MpmColumnsDestroy(&columns));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options)
+{
+  static const char *const tasks[] = {"run", "gradient", NULL};
+  PetscInt                 task    = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsWord(options, "task",
+                           "run: the steps; gradient: also the derivatives of objectives by parameters", tasks,
+                           MPM_OPTIONAL, &task, NULL));
+  if (!task && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscNew(&model->gradient));
+  PetscCall(ReadBlocks(model, options, model->gradient));
+  if (MpmOptionsHelp()) PetscFunctionReturn(MpmGradientDestroy(&model->gradient));
+  MpmCheckInput(model->gradient->parameters.count, "-mpm_parameters is missing: -mpm_task gradient needs parameters");
+  MpmCheckInput(model->gradient->objectives.count, "-mpm_objectives is missing: -mpm_task gradient needs objectives");
+  PetscCall(MpmGradientCheckScene(model));
+  model->disc.grid->balance = PETSC_INFINITY; /* replayed steps have the numbers of their nodes */
+  PetscCall(FindColumns(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGradientDestroy(MpmGradient **gradient)
+{
+  PetscFunctionBeginUser;
+  if (!*gradient) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSceneParametersDestroy(&(*gradient)->parameters));
+  PetscCall(MpmObjectivesDestroy(&(*gradient)->objectives));
+  PetscCall(MpmTapeDestroy(&(*gradient)->tape));
+  PetscCall(PetscFree((*gradient)->curves));
+  PetscCall(PetscFree((*gradient)->times));
+  PetscCall(PetscFree((*gradient)->weights));
+  PetscCall(PetscFree(*gradient));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the run ---- */
+
+/* The objectives' columns as they are now: a row of curves. */
+static PetscErrorCode KeepValues(MpmModel model)
+{
+  MpmGradient      *gradient = model->gradient;
+  const MpmColumns *columns  = &model->results->columns;
+  const PetscInt    count    = gradient->objectives.count;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscRealloc((size_t)((gradient->rows + 1) * count) * sizeof(PetscReal), &gradient->curves));
+  PetscCall(PetscRealloc((size_t)(gradient->rows + 1) * sizeof(PetscReal), &gradient->times));
+  for (PetscInt o = 0; o < count; o++) {
+    const MpmObjective *objective                 = &gradient->objectives.at[o];
+    const MpmColumn    *row                       = &columns->at[objective->row];
+    PetscReal           values[MPM_MAX_BLOCK + 1] = {0.};
+
+    PetscCall((*row->fill)(model, row, values));
+    gradient->curves[gradient->rows * count + o] = values[objective->part];
+  }
+  gradient->times[gradient->rows++] = model->state.time;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGradientBegin(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(KeepValues(model));
+  PetscCall(MpmTapeBegin(model, &model->gradient->tape));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGradientRecord(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(KeepValues(model));
+  PetscCall(MpmTapeRecord(model, &model->gradient->tape));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The objectives, their sum, and its derivatives by the columns' values. */
+static PetscErrorCode EvaluateObjectives(MpmGradient *gradient, PetscReal *objective)
+{
+  const PetscInt count = gradient->objectives.count, rows = gradient->rows;
+  PetscReal     *values, one;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(rows, &values));
+  PetscCall(PetscMalloc1((rows * count), &gradient->weights));
+  *objective = 0.;
+  for (PetscInt o = 0; o < count; o++) {
+    for (PetscInt n = 0; n < rows; n++) values[n] = gradient->curves[n * count + o];
+    PetscCall(MpmObjectiveEvaluate(&gradient->objectives.at[o], &(MpmCurve){rows, gradient->times, values}, &one,
+                                   &gradient->weights[o * rows]));
+    *objective += one;
+  }
+  PetscCall(PetscFree(values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGradientFind(MpmModel model)
+{
+  MpmGradient    *gradient = model->gradient;
+  MpmDerivatives *found    = &model->results->derivatives;
+  const PetscInt  count    = gradient ? gradient->parameters.count : 0;
+
+  PetscFunctionBeginUser;
+  if (!gradient || !gradient->tape.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(EvaluateObjectives(gradient, &found->objective));
+  PetscCall(PetscMalloc1(count, &found->names));
+  PetscCall(PetscCalloc1(count, &found->gradient));
+  for (PetscInt k = 0; k < count; k++) found->names[k] = gradient->parameters.at[k].name;
+  PetscCall((gradient->method == MPM_GRADIENT_ADJOINT ? MpmAdjointRun : MpmTangentRun)(model, found->gradient));
+  found->count = count;
+  PetscCall(MpmTapeFinish(model, &gradient->tape));
+  PetscCall(MpmMonitorNote(&model->monitor, "objective %.10g", (double)found->objective));
+  for (PetscInt k = 0; k < count; k++)
+    PetscCall(MpmMonitorNote(&model->monitor, "derivative by %s: %.10g", found->names[k], (double)found->gradient[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,33 @@
+#pragma once
+/*
+  Derivatives of a whole run: the gradient of objectives by parameters of the scene.
+*/
+#include "query/model.h"
+#include "sensitivity/objective.h"
+#include "sensitivity/parameters.h"
+#include "sensitivity/tape.h"
+
+typedef enum { MPM_GRADIENT_ADJOINT, MPM_GRADIENT_TANGENT } MpmGradientMethod;
+
+struct MpmGradient {
+  MpmGradientMethod  method;
+  MpmSceneParameters parameters;
+  MpmObjectives      objectives;
+  MpmTape            tape;
+  PetscReal         *curves; /* values of each objective's column: by step, its start first */
+  PetscInt           rows;   /* steps so far, and the start */
+  PetscReal         *times;
+  PetscReal         *weights; /* derivatives of the objectives' sum by these values */
+};
+
+/* Reads -mpm_task and its blocks, behind the other blocks of the scene; refuses a scene with parts that have no
+   derivative. */
+PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmGradientDestroy(MpmGradient **gradient);
+/* Fails where the scene has a part without derivatives (differentiable.c). */
+PetscErrorCode MpmGradientCheckScene(const MpmModel model);
+/* Begin: before the first step. Record: after each. Find: after the last one, into the results' derivatives.
+   Nothing where none are asked for. Collective. */
+PetscErrorCode MpmGradientBegin(MpmModel model);
+PetscErrorCode MpmGradientRecord(MpmModel model);
+PetscErrorCode MpmGradientFind(MpmModel model);

@@ -1,0 +1,138 @@
+/*
+  A step of the tape at its solution: data for the sums of its derivatives, and solves with its Jacobian.
+*/
+#include "particles/particles.h"
+#include "particles/points.h"
+#include "space/space.h"
+#include "bc/bc.h"
+#include "step/step.h"
+#include "sensitivity/replayed_step.h"
+
+#define RTOL 1e-12 /* of solves with the Jacobian, unless -gradient_ksp_rtol has another */
+
+PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep *step)
+{
+  const MpmDiscretization *disc  = &model->disc;
+  const PetscInt           count = disc->space->local * disc->block, loads = model->scene.loads->count;
+  MpmRules                *rules;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(&rules));
+  *rules = MpmStepRules(model, model->gradient->tape.step[n].time);
+  PetscCall(PetscMalloc3((count + 1), &step->u, (disc->points->count * disc->dim + 1), &step->body, (loads + 1),
+                         &step->factors));
+  PetscCall(PetscArraycpy(step->u, disc->nodal.u, count));
+  for (PetscInt l = 0; l < loads; l++) step->factors[l] = MpmStepLoadFactor(model, l, rules->time.end);
+  step->map = (MpmStepMap){.rules      = rules,
+                           .sum        = disc->sum,
+                           .particles  = model->state.particles,
+                           .parameters = &model->gradient->parameters,
+                           .u          = step->u,
+                           .load_count = loads,
+                           .loads      = model->scene.loads->at,
+                           .factors    = step->factors,
+                           .body       = step->body};
+  PetscCall(MpmLoadsFind(&step->map, step->body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReplayedStepDestroy(MpmReplayedStep *step)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(step->map.rules));
+  PetscCall(PetscFree3(step->u, step->body, step->factors));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReplayedSolveSetUp(MpmModel model)
+{
+  MpmSolver *solver = &model->solver;
+  Mat        J, P;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetJacobian(solver->snes, &J, &P, NULL, NULL));
+  PetscCall(SNESComputeJacobian(solver->snes, solver->x, J, P));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A Krylov method of its own around the solver's preconditioner. */
+static PetscErrorCode CreateSolver(MpmModel model, KSP *ksp)
+{
+  MpmSolver *solver = &model->solver;
+  KSP        own;
+  PC         pc;
+  Mat        J, P;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetJacobian(solver->snes, &J, &P, NULL, NULL));
+  PetscCall(SNESGetKSP(solver->snes, &own));
+  PetscCall(KSPGetPC(own, &pc));
+  PetscCall(KSPCreate(model->comm, ksp));
+  PetscCall(KSPSetOptionsPrefix(*ksp, "gradient_"));
+  PetscCall(KSPSetPC(*ksp, pc));
+  PetscCall(KSPSetOperators(*ksp, J, P));
+  PetscCall(KSPSetType(*ksp, KSPGMRES));
+  PetscCall(KSPGMRESSetRestart(*ksp, 100));
+  PetscCall(KSPSetTolerances(*ksp, RTOL, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-gradient_ksp_monitor", NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Nodal values to the owners' unknowns, and back. */
+static PetscErrorCode ToUnknowns(MpmModel model, PetscReal nodal[], Vec vec)
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const PetscInt        count       = model->disc.space->owned * model->disc.block;
+  PetscScalar          *values;
+
+  PetscFunctionBeginUser;
+  MpmConstraintsGather(constraints, model->disc.space, nodal);
+  PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.block, nodal));
+  MpmFramesToUnknowns(constraints, model->disc.block, model->disc.space->owned, nodal);
+  PetscCall(VecGetArrayWrite(vec, &values));
+  PetscCall(PetscArraycpy(values, nodal, count));
+  MpmUnitsTimes(constraints, count, values);
+  MpmConstraintsZero(constraints, count, values);
+  PetscCall(VecRestoreArrayWrite(vec, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ToNodes(MpmModel model, Vec vec, PetscReal nodal[])
+{
+  const MpmConstraints *constraints = model->disc.constraints;
+  const PetscInt        count       = model->disc.space->owned * model->disc.block;
+  const PetscScalar    *values;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecGetArrayRead(vec, &values));
+  PetscCall(PetscArraycpy(nodal, values, count));
+  PetscCall(VecRestoreArrayRead(vec, &values));
+  MpmUnitsTimes(constraints, count, nodal);
+  PetscCall(MpmSpaceToGhosts(model->disc.space, model->disc.block, nodal));
+  MpmFramesToAxes(constraints, model->disc.block, model->disc.space->local, nodal);
+  MpmConstraintsExtend(constraints, model->disc.space, nodal);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReplayedSolve(MpmModel model, PetscBool transposed, PetscReal b[], PetscReal y[])
+{
+  Vec                right, solution;
+  KSP                ksp;
+  KSPConvergedReason reason;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecDuplicate(model->solver.x, &right));
+  PetscCall(VecDuplicate(model->solver.x, &solution));
+  PetscCall(CreateSolver(model, &ksp));
+  PetscCall(ToUnknowns(model, b, right));
+  if (transposed && !model->solver.definite.symmetric) PetscCall(KSPSolveTranspose(ksp, right, solution));
+  else PetscCall(KSPSolve(ksp, right, solution));
+  PetscCall(KSPGetConvergedReason(ksp, &reason));
+  PetscCheck(reason > 0, model->comm, PETSC_ERR_NOT_CONVERGED, "a linear solve of the gradient did not converge: %s",
+             KSPConvergedReasons[reason]);
+  PetscCall(ToNodes(model, solution, y));
+  PetscCall(KSPDestroy(&ksp));
+  PetscCall(VecDestroy(&right));
+  PetscCall(VecDestroy(&solution));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

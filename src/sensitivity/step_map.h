@@ -1,0 +1,59 @@
+#pragma once
+/*
+  The derivatives of a step's map.
+
+  With decisions frozen (cells, nodes that follow others, branches of laws) a step is r(u; s, p) = 0 and s' = c(u; s,
+  p): s the points' state at its start, p parameters, u the displacement of the local nodes. Two operations give its
+  derivatives,
+
+    along   dr = dr/du du + dr/ds ds + dr/dp dp ,  ds' likewise
+    pull    derivatives of  L = s'bar . c - lam . r  by u, s and p ,
+
+  each a sum over the step's parts: the points, loads. Bars and lam are given, the parameters of a pull are counted.
+*/
+#include "loads/load.h"
+#include "query/point_vector.h"
+#include "sensitivity/parameters.h"
+
+/* A step at its solution, borrowed. */
+typedef struct {
+  const MpmRules           *rules;
+  const MpmSum             *sum;
+  MpmParticles             *particles;
+  const MpmSceneParameters *parameters;
+  const PetscReal          *u; /* at the local nodes */
+  PetscInt                  load_count;
+  const MpmLoad            *loads;
+  const PetscReal          *factors; /* of the loads in the step */
+  const PetscReal          *body;    /* forces of the loads at the points, N, dim each */
+} MpmStepMap;
+
+/* A direction: of the state, of one parameter (-1: none), of the solution (NULL: none). */
+typedef struct {
+  const MpmPointVector *start;
+  PetscInt              parameter;
+  const PetscReal      *du;
+} MpmStepDirection;
+
+/* A vector over the states of the step's points. */
+PetscErrorCode MpmStepVectorCreate(const MpmStepMap *map, MpmPointVector *vector);
+/* Adds dr at the local nodes, a rank's part; where `end` is not NULL also sets ds'. */
+PetscErrorCode MpmPointsAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[],
+                              MpmPointVector *end);
+
+/*
+  PullSolution adds dL/du at the local nodes, a rank's part. PullStart adds dL/ds to `start` and dL/dp to gradient[p],
+  this rank's part. `end` has the bars, and lam is given at the local nodes.
+*/
+PetscErrorCode MpmPointsPullSolution(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
+                                     PetscReal u[]);
+PetscErrorCode MpmPointsPullStart(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
+                                  MpmPointVector *start, PetscReal gradient[]);
+
+/*
+  Loads (load_map.c), whose forces on the points the points' part spreads over the nodes. Find: these forces. Along:
+  adds dr by the direction's parameter. Pull: adds dL/dp.
+*/
+PetscErrorCode MpmLoadsFind(const MpmStepMap *map, PetscReal body[]);
+PetscErrorCode MpmLoadsAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[]);
+PetscErrorCode MpmLoadsPull(const MpmStepMap *map, const PetscReal lam[], PetscReal gradient[]);

@@ -1,0 +1,85 @@
+/*
+  The tangent-linear run: the change of every step's state with one parameter, from the first step to the last.
+
+    J du = -(dr/ds ds + dr/dp dp),    ds' = dc/du du + dc/ds ds + dc/dp dp
+*/
+#include "base/columns.h"
+#include "query/point_vector.h"
+#include "space/space.h"
+#include "bc/bc.h"
+#include "observe/results.h"
+#include "sensitivity/replayed_step.h"
+
+/* Adds the change of the objectives with a step's end; `residual` is dr at the local nodes, a rank's part. */
+static PetscErrorCode AddObjectives(MpmModel model, PetscInt n, const MpmPointVector *end, PetscReal residual[],
+                                    PetscReal *sum)
+{
+  const MpmGradient *gradient = model->gradient;
+
+  PetscFunctionBeginUser;
+  MpmConstraintsGather(model->disc.constraints, model->disc.space, residual);
+  PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.block, residual));
+  for (PetscInt o = 0; o < gradient->objectives.count; o++) {
+    const MpmObjective *objective                 = &gradient->objectives.at[o];
+    const MpmColumn    *row                       = &model->results->columns.at[objective->row];
+    const PetscReal     weight                    = MpmGradientWeight(gradient, o, n);
+    PetscReal           values[MPM_MAX_BLOCK + 1] = {0.};
+
+    if (weight == 0.) continue;
+    PetscCall((*model->results->columns.map[objective->row]->along)(model, row, end, residual, values));
+    *sum += weight * values[objective->part];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One parameter in one step: `start` becomes the step's end. */
+static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt parameter, const MpmStepMap *map,
+                                MpmPointVector *vector, PetscReal *sum)
+{
+  const PetscInt   count = model->disc.space->local * model->disc.block;
+  MpmPointVector   start = {0}, end = {0};
+  MpmStepDirection direction = {.start = &start, .parameter = parameter};
+  PetscReal       *residual, *du;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc2((count + 1), &residual, (count + 1), &du));
+  PetscCall(MpmStepVectorCreate(map, &start));
+  PetscCall(MpmStepVectorCreate(map, &end));
+  PetscCall(MpmPointVectorMove(model->comm, vector, &start));
+  PetscCall(MpmPointVectorDestroy(vector));
+  PetscCall(MpmPointsAlong(map, &direction, residual, NULL));
+  PetscCall(MpmLoadsAlong(map, &direction, residual));
+  for (PetscInt k = 0; k < count; k++) residual[k] = -residual[k];
+  PetscCall(MpmReplayedSolve(model, PETSC_FALSE, residual, du));
+  PetscCall(PetscArrayzero(residual, count));
+  direction.du = du;
+  PetscCall(MpmPointsAlong(map, &direction, residual, &end));
+  PetscCall(MpmLoadsAlong(map, &direction, residual));
+  PetscCall(AddObjectives(model, n, &end, residual, sum));
+  *vector = end;
+  PetscCall(MpmPointVectorDestroy(&start));
+  PetscCall(PetscFree2(residual, du));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTangentRun(MpmModel model, PetscReal values[])
+{
+  MpmGradient    *gradient = model->gradient;
+  const PetscInt  count    = gradient->parameters.count;
+  MpmPointVector *vectors;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(count, &vectors));
+  for (PetscInt n = 0; n < gradient->tape.count; n++) {
+    MpmReplayedStep step;
+
+    PetscCall(MpmTapeReplay(model, &gradient->tape, n));
+    PetscCall(MpmReplayedStepCreate(model, n, &step));
+    PetscCall(MpmReplayedSolveSetUp(model));
+    for (PetscInt k = 0; k < count; k++) PetscCall(StepAlong(model, n, k, &step.map, &vectors[k], &values[k]));
+    PetscCall(MpmReplayedStepDestroy(&step));
+  }
+  for (PetscInt k = 0; k < count; k++) PetscCall(MpmPointVectorDestroy(&vectors[k]));
+  PetscCall(PetscFree(vectors));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,173 @@
+/*
+  Derivatives of a point's basis functions.
+
+  Weights are products of lines by axis, w_x w_y w_z, and gradients have one line of derivatives g in place of w. By the
+  place on an axis its line w becomes g, and g the bend dg/dx; by the half-length both become their own derivatives.
+
+  The half-length on axis a is l_a U_aa/h_a, U = sqrt(F^T F), unless a wall, an edge of the grid or the longest domain
+  clips it. With C = F^T F and U dU + dU U = dC, in the principal axes q of U with stretches s,
+
+    dU_ij = dC_ij/(s_i + s_j) ,
+
+  which holds at equal stretches, too.
+*/
+#include "grid/grid.h"
+#include "space/point_loop.h"
+#include "space/point_slopes.h"
+
+#include <petscblaslapack.h>
+
+PetscErrorCode MpmPointSlopesCreate(const MpmSpace *space, MpmPointSlopes *slopes)
+{
+  const PetscInt size = space->dim * space->width;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(slopes, sizeof(*slopes)));
+  slopes->space = space;
+  slopes->width = space->width;
+  PetscCall(PetscMalloc3(size, &slopes->bend, size, &slopes->weight, size, &slopes->gradient));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPointSlopesDestroy(MpmPointSlopes *slopes)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree3(slopes->bend, slopes->weight, slopes->gradient));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* by_F[a] = d U_aa / d F; PETSC_FALSE where F has no stretch. */
+static PetscErrorCode StretchSlopes(PetscInt dim, const PetscReal F[], PetscReal by_F[][MPM_F_MAX])
+{
+  PetscReal    q[MPM_F_MAX], square[MPM_MAX_DIM], work[32];
+  PetscBLASInt n = (PetscBLASInt)dim, room = PETSC_STATIC_ARRAY_LENGTH(work), info;
+
+  PetscFunctionBeginUser;
+  for (PetscInt i = 0; i < dim; i++) {
+    for (PetscInt j = 0; j < dim; j++) {
+      q[i * dim + j] = 0.;
+      for (PetscInt k = 0; k < dim; k++) q[i * dim + j] += F[k * dim + i] * F[k * dim + j];
+    }
+  }
+  LAPACKsyev_("V", "U", &n, q, &n, square, work, &room, &info);
+  PetscCheck(!info && square[0] > 0., PETSC_COMM_SELF, PETSC_ERR_FP, "a point has no stretch");
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscReal by_C[MPM_F_MAX] = {0.}; /* d U_aa / d C; principal axis k stands in q[k * dim] */
+
+    for (PetscInt k = 0; k < dim; k++) {
+      for (PetscInt l = 0; l < dim; l++) {
+        const PetscReal part = q[k * dim + a] * q[l * dim + a] / (PetscSqrtReal(square[k]) + PetscSqrtReal(square[l]));
+
+        for (PetscInt i = 0; i < dim; i++)
+          for (PetscInt j = 0; j < dim; j++) by_C[i * dim + j] += part * q[k * dim + i] * q[l * dim + j];
+      }
+    }
+    for (PetscInt i = 0; i < dim; i++) {
+      for (PetscInt j = 0; j < dim; j++) {
+        by_F[a][i * dim + j] = 0.;
+        for (PetscInt k = 0; k < dim; k++) by_F[a][i * dim + j] += 2. * F[i * dim + k] * by_C[k * dim + j];
+      }
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Derivatives of the half-lengths. */
+static PetscErrorCode LengthSlopes(const MpmRules *rules, const MpmPoints *points, PetscInt p, const PetscInt lower[],
+                                   const PetscInt upper[], MpmPointSlopes *slopes)
+{
+  const MpmGrid   *grid = rules->grid;
+  const PetscInt   dim  = grid->dim;
+  const PetscReal *half = &slopes->space->shapes.half[p * dim];
+
+  PetscFunctionBeginUser;
+  PetscCall(StretchSlopes(dim, MpmPointF(points, p), slopes->length_by_F));
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscReal xi    = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
+    const PetscReal below = xi - (PetscReal)lower[a], above = (PetscReal)upper[a] - xi;
+    const PetscBool clipped = (PetscBool)(half[a] >= PetscMin(below, above));
+    const PetscReal factor  = points->domain.half_length[p * dim + a] / grid->h[a];
+    const PetscBool longest = (PetscBool)(rules->longest > 0. && half[a] >= rules->longest);
+
+    slopes->length_by_place[a] = clipped ? (below < above ? 1. : -1.) / grid->h[a] : 0.;
+    for (PetscInt k = 0; k < dim * dim; k++) slopes->length_by_F[a][k] *= clipped || longest ? 0. : factor;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points, const MpmGroup *group, PetscInt point,
+                                  MpmPointSlopes *slopes)
+{
+  const MpmSpace *space = slopes->space;
+  const MpmGrid  *grid  = rules->grid;
+  const PetscInt  dim = space->dim, W = space->width;
+  PetscInt        lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], first[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  slopes->point  = point;
+  slopes->domain = (PetscBool)(space->shapes.half != NULL);
+  MpmSpaceEdges(rules, &points->x[point * dim], lower, upper);
+  MpmSpaceGroupAt(space, group, first);
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscInt     line = (point * dim + a) * W, to = a * W;
+    PetscReal          gradient[MPM_MAX_WIDTH];
+    const MpmShapeLine here = {
+      .first = first[a], .count = group->count[a], .weight = &space->shapes.at[0].weight[line], .gradient = gradient};
+    const MpmShapePlace  at = {(points->x[point * dim + a] - grid->lower[a]) / grid->h[a],
+                              slopes->domain ? space->shapes.half[point * dim + a] : 0., lower[a], upper[a]};
+    const MpmShapeSlopes by = {&slopes->bend[to], &slopes->weight[to], &slopes->gradient[to]};
+
+    for (PetscInt i = 0; i < group->count[a]; i++) gradient[i] = space->shapes.at[0].gradient[line + i] * grid->h[a];
+    MpmShapeDifferentiate(rules->shape, rules->edge, &at, &here, &by);
+    for (PetscInt i = 0; i < group->count[a]; i++) {
+      by.bend[i] /= grid->h[a] * grid->h[a];
+      by.gradient_by_length[i] /= grid->h[a];
+    }
+  }
+  if (slopes->domain) PetscCall(LengthSlopes(rules, points, point, lower, upper, slopes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
+                         const MpmBasis *basis)
+{
+  const MpmSpace  *space = slopes->space;
+  const PetscInt   dim = space->dim, W = slopes->width, here = (slopes->point * dim + axis) * W;
+  MpmLines         w        = MpmPointLines(dim, space, space->shapes.at[0].weight, slopes->point, &MpmLineOne);
+  MpmLines         g        = MpmPointLines(dim, space, space->shapes.at[0].gradient, slopes->point, &MpmLineZero);
+  const PetscReal *gradient = &space->shapes.at[0].gradient[here];
+  PetscInt         n        = 0;
+
+  w.along[axis] = kind == MPM_BY_PLACE ? gradient : &slopes->weight[axis * W];
+  g.along[axis] = kind == MPM_BY_PLACE ? &slopes->bend[axis * W] : &slopes->gradient[axis * W];
+  for (PetscInt l = 0; l < group->count[2]; l++) {
+    for (PetscInt j = 0; j < group->count[1]; j++) {
+      for (PetscInt k = 0; k < group->count[0]; k++, n++) {
+        const PetscReal *const *x = w.along, *const *d = g.along;
+
+        basis->basis[0][n] = x[0][k] * x[1][j] * x[2][l];
+        basis->basis[1][n] = d[0][k] * x[1][j] * x[2][l];
+        basis->basis[2][n] = x[0][k] * d[1][j] * x[2][l];
+        if (dim == MPM_MAX_DIM) basis->basis[3][n] = x[0][k] * x[1][j] * d[2][l];
+      }
+    }
+  }
+}
+
+void MpmPointSlopesAlong(const MpmPointSlopes *slopes, PetscInt F_size, const PetscReal dx[], const PetscReal dF[],
+                         PetscReal half[])
+{
+  for (PetscInt a = 0; a < slopes->space->dim; a++) {
+    half[a] = slopes->domain ? slopes->length_by_place[a] * dx[a] : 0.;
+    for (PetscInt k = 0; slopes->domain && k < F_size; k++) half[a] += slopes->length_by_F[a][k] * dF[k];
+  }
+}
+
+void MpmPointSlopesPull(const MpmPointSlopes *slopes, PetscInt F_size, const PetscReal half[], PetscReal x[],
+                        PetscReal F[])
+{
+  for (PetscInt a = 0; slopes->domain && a < slopes->space->dim; a++) {
+    x[a] += slopes->length_by_place[a] * half[a];
+    for (PetscInt k = 0; k < F_size; k++) F[k] += slopes->length_by_F[a][k] * half[a];
+  }
+}

@@ -1,0 +1,40 @@
+#pragma once
+/*
+  Derivatives of a point's basis functions by its place and by the half-lengths of its domain, and of these by place and
+  F: how the weights of a step depend on the state at its start.
+*/
+#include "space/basis.h"
+#include "particles/points.h"
+#include "space/rules.h"
+
+#define MPM_F_MAX (MPM_MAX_DIM * MPM_MAX_DIM)
+
+/* Arguments of a point's weights, by axis: its place, or the half-length of its domain. */
+typedef enum { MPM_BY_PLACE, MPM_BY_LENGTH, MPM_BY_COUNT } MpmSlopeKind;
+
+/* One point. Lines have `width` numbers an axis. */
+typedef struct {
+  const MpmSpace *space;
+  PetscInt        point, width;
+  PetscBool       domain;                              /* weights depend on half-lengths */
+  PetscReal       length_by_place[MPM_MAX_DIM];        /* of the half-length on the same axis, cells/m */
+  PetscReal       length_by_F[MPM_MAX_DIM][MPM_F_MAX]; /* cells */
+  PetscReal      *bend, *weight, *gradient;            /* bend: 1/m2; by half-length: 1/cell and 1/(m cell) */
+} MpmPointSlopes;
+
+PetscErrorCode MpmPointSlopesCreate(const MpmSpace *space, MpmPointSlopes *slopes);
+PetscErrorCode MpmPointSlopesDestroy(MpmPointSlopes *slopes);
+/* Of a point of a group, for a space of one shape without smoothing, in Cartesian axes. */
+PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points, const MpmGroup *group, PetscInt point,
+                                  MpmPointSlopes *slopes);
+/*
+  Derivatives of weights and gradients, basis[0] to basis[dim], at the group's nodes, along an axis: by the place,
+  1/m, or by the half-length, 1/cell.
+*/
+void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
+                         const MpmBasis *basis);
+/* The change of all half-lengths, in cells, with the place and F; and the transposed operation, added. */
+void MpmPointSlopesAlong(const MpmPointSlopes *slopes, PetscInt F_size, const PetscReal dx[], const PetscReal dF[],
+                         PetscReal half[]);
+void MpmPointSlopesPull(const MpmPointSlopes *slopes, PetscInt F_size, const PetscReal half[], PetscReal x[],
+                        PetscReal F[]);
