@@ -20,6 +20,8 @@ PetscErrorCode MpmModelLeave(MpmModel model);
     PetscCall(model_error); \
   } while (0)
 
+/* Of the task check_gradient: derivatives against those of changed runs (gradient_check.c); fails the run's outcome. */
+PetscErrorCode MpmGradientCheck(MpmModel model);
 /* True where the scene has been read. */
 PetscBool MpmModelHasScene(const MpmModel model);
 

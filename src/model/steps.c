@@ -222,7 +222,12 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
     PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,
                               (double)model->state.time, why));
   }
-  if (!why && !interrupted) PetscCall(MpmGradientFind(model));
+  if (!why && !interrupted) {
+    PetscCall(MpmGradientFind(model));
+    PetscCall(MpmGradientCheck(model));
+    why = Reason(model);
+    if (why) PetscCall(MpmTerminalWarn(model, "%s", why));
+  }
   PetscCall(MpmModelWriteSummary(model, why                  ? why
                                         : interrupted        ? "interrupted"
                                         : model->caller.stop ? "stopped"

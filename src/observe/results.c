@@ -30,6 +30,7 @@ PetscErrorCode MpmResultsDestroy(MpmModel model)
   PetscCall(PetscFree(results->added.fields.at));
   PetscCall(PetscFree(results->derivatives.names));
   PetscCall(PetscFree(results->derivatives.gradient));
+  PetscCall(PetscFree(results->derivatives.tangent));
   PetscCall(MpmColumnsDestroy(&results->columns));
   PetscCall(MpmColumnsDestroy(&results->added.columns));
   PetscCall(PetscFree(results->history_row));

@@ -105,6 +105,7 @@ typedef struct {
   PetscInt   count;
   char     **names; /* of the parameters, borrowed */
   PetscReal *gradient;
+  PetscReal *tangent; /* by the other method, where both are compared; or NULL */
   PetscReal  objective;
 } MpmDerivatives;
 

@@ -52,7 +52,7 @@ static PetscErrorCode StepPull(MpmModel model, PetscInt n, const MpmStepMap *map
   PetscCall(MpmReplayedSolve(model, PETSC_TRUE, ubar, solved));
   for (PetscInt k = 0; k < count; k++) lam[k] += solved[k];
   PetscCall(MpmPointsPullStart(map, &end, lam, &start, values));
-  PetscCall(MpmLoadsPull(map, lam, values));
+  PetscCall(MpmLoadsPullStart(map, lam, &start, values));
   *vector = start;
   PetscCall(MpmPointVectorDestroy(&end));
   PetscCall(PetscFree3(lam, ubar, solved));

@@ -151,7 +151,6 @@ static PetscErrorCode ScatterAlong(const MpmStepMap *map, const MpmCell *of, con
                                    const Cell *cell, MpmPointWork *work, PetscReal residual[])
 {
   const MpmSpace *space = map->sum->space;
-  const PetscInt  dim   = space->dim;
 
   PetscFunctionBeginUser;
   for (PetscInt g = of->group_begin; g < of->group_end; g++) {
@@ -159,7 +158,7 @@ static PetscErrorCode ScatterAlong(const MpmStepMap *map, const MpmCell *of, con
 
     MpmPointWorkGather(map, group, NULL, work);
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt   p = space->order[s], n = work->known.n;
+      const PetscInt   p  = space->order[s];
       const CellPoint *at = &cell->at[s - cell->begin];
       MpmKernelPoint   point;
 
@@ -172,8 +171,6 @@ static PetscErrorCode ScatterAlong(const MpmStepMap *map, const MpmCell *of, con
       }
       MpmSumAddFlux(work->known, map->sum->layout, &work->slope, work->flux, work->force);
       MpmSumAddFlux(work->known, map->sum->layout, &work->basis, work->dflux, work->force);
-      for (PetscInt a = 0; a < dim; a++)
-        MpmBasisAddForce(&work->slope, n, -map->body[p * dim + a], &work->force[a * n]);
     }
     MpmSumScatter(work->known, map->sum, group, work->force, residual);
   }

@@ -28,10 +28,7 @@ static const char *FindLoad(const MpmScene *scene)
   for (PetscInt l = 0; l < scene->loads->count; l++) {
     const MpmLoad *load = &scene->loads->at[l];
 
-    if (load->type == MPM_LOAD_TRACTION) return "tractions on points (-mpm_load_..._type traction)";
     if (load->type == MPM_LOAD_FLUX) return "sources of water (-mpm_load_..._type flux)";
-    if (load->type == MPM_LOAD_GRAVITY && scene->shape.type == MPM_SHAPE_GIMP_BSPLINE2)
-      return "gravity with -mpm_shape gimp_bspline2";
   }
   return NULL;
 }

@@ -45,15 +45,18 @@ static PetscErrorCode FindColumns(MpmModel model)
 
 PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options)
 {
-  static const char *const tasks[] = {"run", "gradient", NULL};
+  static const char *const tasks[] = {"run", "gradient", "check_gradient", NULL};
   PetscInt                 task    = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsWord(options, "task",
-                           "run: the steps; gradient: also the derivatives of objectives by parameters", tasks,
-                           MPM_OPTIONAL, &task, NULL));
+  PetscCall(MpmOptionsWord(
+    options, "task",
+    "run: the steps; gradient: also the derivatives of objectives by parameters; check_gradient: also by both "
+    "methods and by differences of changed runs",
+    tasks, MPM_OPTIONAL, &task, NULL));
   if (!task && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscNew(&model->gradient));
+  model->gradient->checks = (PetscBool)(task == 2);
   PetscCall(ReadBlocks(model, options, model->gradient));
   if (MpmOptionsHelp()) PetscFunctionReturn(MpmGradientDestroy(&model->gradient));
   MpmCheckInput(model->gradient->parameters.count, "-mpm_parameters is missing: -mpm_task gradient needs parameters");
@@ -80,8 +83,7 @@ PetscErrorCode MpmGradientDestroy(MpmGradient **gradient)
 
 /* ---- the run ---- */
 
-/* The objectives' columns as they are now: a row of curves. */
-static PetscErrorCode KeepValues(MpmModel model)
+PetscErrorCode MpmGradientCollect(MpmModel model)
 {
   MpmGradient      *gradient = model->gradient;
   const MpmColumns *columns  = &model->results->columns;
@@ -106,7 +108,7 @@ PetscErrorCode MpmGradientBegin(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(KeepValues(model));
+  PetscCall(MpmGradientCollect(model));
   PetscCall(MpmTapeBegin(model, &model->gradient->tape));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -115,19 +117,21 @@ PetscErrorCode MpmGradientRecord(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(KeepValues(model));
+  PetscCall(MpmGradientCollect(model));
   PetscCall(MpmTapeRecord(model, &model->gradient->tape));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The objectives, their sum, and its derivatives by the columns' values. */
-static PetscErrorCode EvaluateObjectives(MpmGradient *gradient, PetscReal *objective)
+PetscErrorCode MpmGradientEvaluate(MpmModel model, PetscReal *objective)
 {
+  MpmGradient   *gradient = model->gradient;
   const PetscInt count = gradient->objectives.count, rows = gradient->rows;
   PetscReal     *values, one;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(rows, &values));
+  PetscCall(PetscFree(gradient->weights));
   PetscCall(PetscMalloc1((rows * count), &gradient->weights));
   *objective = 0.;
   for (PetscInt o = 0; o < count; o++) {
@@ -148,11 +152,15 @@ PetscErrorCode MpmGradientFind(MpmModel model)
 
   PetscFunctionBeginUser;
   if (!gradient || !gradient->tape.count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(EvaluateObjectives(gradient, &found->objective));
+  PetscCall(MpmGradientEvaluate(model, &found->objective));
   PetscCall(PetscMalloc1(count, &found->names));
   PetscCall(PetscCalloc1(count, &found->gradient));
   for (PetscInt k = 0; k < count; k++) found->names[k] = gradient->parameters.at[k].name;
   PetscCall((gradient->method == MPM_GRADIENT_ADJOINT ? MpmAdjointRun : MpmTangentRun)(model, found->gradient));
+  if (gradient->checks) {
+    PetscCall(PetscCalloc1(count, &found->tangent));
+    PetscCall((gradient->method == MPM_GRADIENT_ADJOINT ? MpmTangentRun : MpmAdjointRun)(model, found->tangent));
+  }
   found->count = count;
   PetscCall(MpmTapeFinish(model, &gradient->tape));
   PetscCall(MpmMonitorNote(&model->monitor, "objective %.10g", (double)found->objective));

@@ -11,6 +11,7 @@ typedef enum { MPM_GRADIENT_ADJOINT, MPM_GRADIENT_TANGENT } MpmGradientMethod;
 
 struct MpmGradient {
   MpmGradientMethod  method;
+  PetscBool          checks; /* both methods are compared, and differences */
   MpmSceneParameters parameters;
   MpmObjectives      objectives;
   MpmTape            tape;
@@ -31,3 +32,6 @@ PetscErrorCode MpmGradientCheckScene(const MpmModel model);
 PetscErrorCode MpmGradientBegin(MpmModel model);
 PetscErrorCode MpmGradientRecord(MpmModel model);
 PetscErrorCode MpmGradientFind(MpmModel model);
+/* Collect: the objectives' columns as they are now. Evaluate: the sum of the objectives of what has been collected. */
+PetscErrorCode MpmGradientCollect(MpmModel model);
+PetscErrorCode MpmGradientEvaluate(MpmModel model, PetscReal *objective);

@@ -1,118 +1,234 @@
 /*
-  The loads' part of a step's derivatives: forces on the points, and their derivatives by parameters.
+  The loads' part of a step's derivatives.
+
+  A load's force on node i is the sum over points of b W_i: b the load's vector times the point's share of it, or its
+  mass, W_i the point's weight, or that of the centre of a face, or the mean of those of the ends of its domain
+  (loads/load_weights.h). With lam at the nodes, their part of L is the sum of b W_i . lam_i.
 */
 #include "particles/particles.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/point_shape.h"
+#include "space/point_slopes.h"
 #include "space/rules.h"
 #include "space/sum.h"
+#include "loads/load_weights.h"
 #include "sensitivity/step_map.h"
 
-/* Adds `factor` times a load's vector times each point's share of it, or its mass, to the points' forces. */
-static PetscErrorCode AddLoad(const MpmStepMap *map, const MpmLoad *load, PetscReal factor, PetscReal body[])
+/* One load, and room for one point. */
+typedef struct {
+  const MpmStepMap *map;
+  const MpmLoad    *load;
+  PetscReal         factor;
+  PetscReal        *share; /* of the points; NULL: their masses count */
+  PetscBool         own;   /* the weights are not the points' */
+  MpmTouched        at;
+  MpmBasis          basis, slope;
+  MpmPointSlopes    slopes;
+} Work;
+
+static PetscErrorCode WorkCreate(const MpmStepMap *map, Work *work)
 {
-  const MpmPoints *points = map->sum->points;
-  const PetscInt   dim    = map->sum->space->dim;
-  PetscReal       *share  = NULL;
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(work, sizeof(*work)));
+  work->map = map;
+  PetscCall(MpmBasisCreate(map->sum->space, &work->basis));
+  PetscCall(MpmBasisCreate(map->sum->space, &work->slope));
+  PetscCall(MpmPointSlopesCreate(map->sum->space, &work->slopes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WorkDestroy(Work *work)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmBasisDestroy(&work->basis));
+  PetscCall(MpmBasisDestroy(&work->slope));
+  PetscCall(MpmPointSlopesDestroy(&work->slopes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A load begins, or ends. */
+static PetscErrorCode TakeLoad(Work *work, PetscInt l)
+{
+  const MpmLoad *load = &work->map->loads[l];
 
   PetscFunctionBeginUser;
-  if (load->share_field) PetscCall(MpmParticlesGetField(map->particles, load->share_field, &share));
-  for (PetscInt p = 0; p < points->count; p++) {
-    const PetscReal amount = factor * (share ? share[p] : MpmPointMass(points, map->sum->materials, p));
+  work->load   = load;
+  work->factor = work->map->factors[l];
+  work->share  = NULL;
+  work->own    = (PetscBool)(load->type == MPM_LOAD_TRACTION || MpmLoadActsAtEnds(load, work->map->rules));
+  if (load->share_field) PetscCall(MpmParticlesGetField(work->map->particles, load->share_field, &work->share));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    for (PetscInt a = 0; a < dim; a++) body[p * dim + a] += amount * load->value[a];
+static PetscErrorCode LeaveLoad(Work *work)
+{
+  PetscFunctionBeginUser;
+  if (work->share) PetscCall(MpmParticlesRestoreField(work->map->particles, &work->share));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Share of a point, or its mass; 0 where the load does not act on it. */
+static PetscReal Amount(const Work *work, PetscInt p)
+{
+  const MpmSum *sum = work->map->sum;
+
+  return work->share ? work->share[p] : MpmPointMass(sum->points, sum->materials, p);
+}
+
+/* The change of factor times amount with a parameter. */
+static PetscReal AmountBy(const Work *work, PetscInt k, PetscInt p)
+{
+  const MpmSceneParameter *parameter = &work->map->parameters->at[k];
+  const MpmPoints         *points    = work->map->sum->points;
+
+  if (parameter->kind == MPM_OF_LOAD)
+    return work->load == &work->map->loads[parameter->index] ? work->factor / parameter->value * Amount(work, p) : 0.;
+  if (!parameter->density || work->share || points->material[p] != parameter->index) return 0.;
+  return work->factor * points->volume0[p];
+}
+
+/* A point's weights into work->basis, and the derivatives that it has. */
+static PetscErrorCode Enter(Work *work, const MpmGroup *group, PetscInt p)
+{
+  const MpmSum *sum    = work->map->sum;
+  PetscReal    *weight = MpmBasisWeights(&work->basis);
+
+  PetscFunctionBeginUser;
+  work->at = (MpmTouched){work->map->rules, sum->space, sum->points, group, p};
+  PetscCall(MpmPointSlopesFind(work->map->rules, sum->points, group, p, &work->slopes));
+  if (work->load->type == MPM_LOAD_TRACTION) PetscCall(MpmLoadFaceWeights(work->load, &work->at, weight));
+  else if (work->own) PetscCall(MpmLoadEndWeights(work->load, &work->at, weight));
+  else MpmSpaceEvaluate(sum->space, group, p, &work->basis);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Their derivative by place or half-length along an axis, into work->slope. */
+static PetscErrorCode Slope(Work *work, MpmSlopeKind kind, PetscInt axis)
+{
+  PetscFunctionBeginUser;
+  if (work->own)
+    PetscCall(MpmLoadWeightSlopes(work->load, &work->slopes, &work->at, kind, axis, MpmBasisWeights(&work->slope)));
+  else MpmPointSlopesBasis(&work->slopes, work->at.group, kind, axis, &work->slope);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The axis on which half-lengths count before they are clipped; -1: none. */
+static PetscInt FreeAxis(const Work *work)
+{
+  return work->load->type == MPM_LOAD_TRACTION ? work->load->face_axis : -1;
+}
+
+/* ---- along ---- */
+
+/* The change of a point's force on its nodes, subtracted from the residual. */
+static PetscErrorCode PointAlong(Work *work, const MpmStepDirection *direction, PetscReal residual[])
+{
+  const MpmSum    *sum = work->map->sum;
+  const PetscInt   p = work->at.point, dim = sum->space->dim, size = sum->points->F_size, free = FreeAxis(work);
+  const PetscReal *dx = &direction->start->x[p * dim], *dF = &direction->start->F[p * size];
+  const PetscReal  amount = work->factor * Amount(work, p);
+  PetscReal        half[MPM_MAX_DIM];
+
+  PetscFunctionBeginUser;
+  if (direction->parameter >= 0)
+    MpmWeightsAdd(MpmBasisWeights(&work->basis), work->at.group, sum, -AmountBy(work, direction->parameter, p),
+                  work->load->value, residual);
+  MpmPointSlopesAlong(&work->slopes, size, dx, dF, half);
+  if (free >= 0) {
+    half[free] = 0.;
+    for (PetscInt k = 0; k < size; k++) half[free] += work->slopes.stretch_by_F[free][k] * dF[k];
   }
-  if (share) PetscCall(MpmParticlesRestoreField(map->particles, &share));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+  for (PetscInt k = 0; k < MPM_BY_COUNT * dim; k++) {
+    const PetscInt  a    = k % dim;
+    const PetscReal step = k / dim == MPM_BY_PLACE ? dx[a] : half[a];
 
-PetscErrorCode MpmLoadsFind(const MpmStepMap *map, PetscReal body[])
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(body, map->sum->points->count * map->sum->space->dim));
-  for (PetscInt l = 0; l < map->load_count; l++) PetscCall(AddLoad(map, &map->loads[l], map->factors[l], body));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The change of gravity's force with a material's density. */
-static void AddDensity(const MpmStepMap *map, PetscInt material, PetscReal body[])
-{
-  const MpmPoints *points = map->sum->points;
-  const PetscInt   dim    = map->sum->space->dim;
-
-  for (PetscInt p = 0; p < points->count; p++)
-    for (PetscInt a = 0; points->material[p] == material && a < dim; a++)
-      body[p * dim + a] += points->volume0[p] * map->rules->gravity[a];
-}
-
-/* The change of the points' forces with a parameter; `any`: there is one. */
-static PetscErrorCode Differentiate(const MpmStepMap *map, PetscInt k, PetscReal body[], PetscBool *any)
-{
-  const MpmSceneParameter *parameter = &map->parameters->at[k];
-
-  PetscFunctionBeginUser;
-  *any = (PetscBool)(parameter->kind == MPM_OF_LOAD || parameter->density);
-  if (!*any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscArrayzero(body, map->sum->points->count * map->sum->space->dim));
-  if (parameter->density) AddDensity(map, parameter->index, body);
-  else PetscCall(AddLoad(map, &map->loads[parameter->index], map->factors[parameter->index] / parameter->value, body));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* residual -= the points' forces at the local nodes, where that is not NULL; *work += lam . these forces likewise. */
-static PetscErrorCode Spread(const MpmStepMap *map, const PetscReal body[], PetscReal residual[], const PetscReal lam[],
-                             PetscReal *work)
-{
-  const MpmSum   *sum   = map->sum;
-  const MpmSpace *space = sum->space;
-  const PetscInt  dim   = space->dim;
-  MpmBasis        basis;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmBasisCreate(space, &basis));
-  for (PetscInt g = 0; g < space->group_count; g++) {
-    const MpmGroup *group = &space->groups[g];
-
-    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscReal *force           = &body[space->order[s] * dim];
-      PetscReal        at[MPM_MAX_DIM] = {0.};
-
-      MpmSpaceEvaluate(space, group, space->order[s], &basis);
-      if (residual) MpmWeightsAdd(MpmBasisWeights(&basis), group, sum, -1., force, residual);
-      if (lam) MpmBasisInterpolate(space, group, &basis, sum->block, lam, dim, at);
-      for (PetscInt a = 0; lam && a < dim; a++) *work += at[a] * force[a];
-    }
+    if (step == 0.) continue;
+    PetscCall(Slope(work, (MpmSlopeKind)(k / dim), a));
+    MpmWeightsAdd(MpmBasisWeights(&work->slope), work->at.group, sum, -amount * step, work->load->value, residual);
   }
-  PetscCall(MpmBasisDestroy(&basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmLoadsAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[])
 {
-  PetscReal *body;
-  PetscBool  any;
+  const MpmSpace *space = map->sum->space;
+  Work            work;
 
   PetscFunctionBeginUser;
-  if (direction->parameter < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((map->sum->points->count * map->sum->space->dim + 1), &body));
-  PetscCall(Differentiate(map, direction->parameter, body, &any));
-  if (any) PetscCall(Spread(map, body, residual, NULL, NULL));
-  PetscCall(PetscFree(body));
+  PetscCall(WorkCreate(map, &work));
+  for (PetscInt l = 0; l < map->load_count; l++) {
+    PetscCall(TakeLoad(&work, l));
+    for (PetscInt g = 0; work.factor != 0. && g < space->group_count; g++) {
+      for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
+        if (Amount(&work, space->order[s]) == 0.) continue;
+        PetscCall(Enter(&work, &space->groups[g], space->order[s]));
+        PetscCall(PointAlong(&work, direction, residual));
+      }
+    }
+    PetscCall(LeaveLoad(&work));
+  }
+  PetscCall(WorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmLoadsPull(const MpmStepMap *map, const PetscReal lam[], PetscReal gradient[])
+/* ---- pull ---- */
+
+/* sum_i W_i lam_i . value of weights or their derivatives. */
+static PetscReal PowerOf(const Work *work, const MpmBasis *basis, const PetscReal lam[])
 {
-  PetscReal *body;
-  PetscBool  any;
+  const MpmSum *sum             = work->map->sum;
+  PetscReal     at[MPM_MAX_DIM] = {0.}, total = 0.;
+
+  MpmBasisInterpolate(sum->space, work->at.group, basis, sum->block, lam, sum->space->dim, at);
+  for (PetscInt a = 0; a < sum->space->dim; a++) total += at[a] * work->load->value[a];
+  return total;
+}
+
+static PetscErrorCode PointPull(Work *work, const PetscReal lam[], MpmPointVector *start, PetscReal gradient[])
+{
+  const PetscInt  p = work->at.point, dim = start->dim, size = start->F_size, free = FreeAxis(work);
+  const PetscReal amount            = work->factor * Amount(work, p);
+  PetscReal       half[MPM_MAX_DIM] = {0.}, value;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((map->sum->points->count * map->sum->space->dim + 1), &body));
-  for (PetscInt k = 0; k < map->parameters->count; k++) {
-    PetscCall(Differentiate(map, k, body, &any));
-    if (any) PetscCall(Spread(map, body, NULL, lam, &gradient[k]));
+  value = PowerOf(work, &work->basis, lam);
+  for (PetscInt k = 0; k < work->map->parameters->count; k++) gradient[k] += AmountBy(work, k, p) * value;
+  for (PetscInt k = 0; k < MPM_BY_COUNT * dim; k++) {
+    const PetscInt a = k % dim;
+
+    PetscCall(Slope(work, (MpmSlopeKind)(k / dim), a));
+    value = amount * PowerOf(work, &work->slope, lam);
+    if (k / dim == MPM_BY_PLACE) start->x[p * dim + a] += value;
+    else half[a] = value;
   }
-  PetscCall(PetscFree(body));
+  if (free >= 0) {
+    for (PetscInt k = 0; k < size; k++) start->F[p * size + k] += work->slopes.stretch_by_F[free][k] * half[free];
+    half[free] = 0.;
+  }
+  MpmPointSlopesPull(&work->slopes, size, half, &start->x[p * dim], &start->F[p * size]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLoadsPullStart(const MpmStepMap *map, const PetscReal lam[], MpmPointVector *start,
+                                 PetscReal gradient[])
+{
+  const MpmSpace *space = map->sum->space;
+  Work            work;
+
+  PetscFunctionBeginUser;
+  PetscCall(WorkCreate(map, &work));
+  for (PetscInt l = 0; l < map->load_count; l++) {
+    PetscCall(TakeLoad(&work, l));
+    for (PetscInt g = 0; work.factor != 0. && g < space->group_count; g++) {
+      for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
+        if (Amount(&work, space->order[s]) == 0.) continue;
+        PetscCall(Enter(&work, &space->groups[g], space->order[s]));
+        PetscCall(PointPull(&work, lam, start, gradient));
+      }
+    }
+    PetscCall(LeaveLoad(&work));
+  }
+  PetscCall(WorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -208,10 +208,7 @@ PetscErrorCode MpmPointPullWeights(const MpmStepMap *map, const MpmGroup *group,
     MpmSumInputs(work->known, map->sum->layout, work->u, &work->slope, inputs);
     MpmSumInputs(work->known, map->sum->layout, work->other, &work->slope, others);
     for (PetscInt i = 0; i < work->known.inputs; i++) sum += by_input[i] * inputs[i] - work->flux[i] * others[i];
-    for (PetscInt c = 0; c < dim; c++) {
-      sum += end->x[p * dim + c] * MpmBasisValue(&work->slope, n, &work->u[c * n]);
-      sum += map->body[p * dim + c] * MpmBasisValue(&work->slope, n, &work->other[c * n]);
-    }
+    for (PetscInt c = 0; c < dim; c++) { sum += end->x[p * dim + c] * MpmBasisValue(&work->slope, n, &work->u[c * n]); }
     by[k / dim][a] = sum;
   }
   for (PetscInt a = 0; a < dim; a++) start->x[p * dim + a] += end->x[p * dim + a] + by[MPM_BY_PLACE][a];

@@ -4,7 +4,7 @@
   With H = sum_i u_i grad w_i of a point's inputs and K = sum_i lam_i grad w_i, a kernel's flux q(H, F, z, p), and F'
   and z' of the step's end, a point's part of L is
 
-    L = xbar . (x + sum_i w_i u_i) + Fbar : F' + zbar . z' - q . K + b . sum_i w_i lam_i ,  b the loads' force on it.
+    L = xbar . (x + sum_i w_i u_i) + Fbar : F' + zbar . z' - q . K
 
   w and grad w depend on the place x and the half-lengths l(x, F) of the domain (space/point_slopes.h), all else on H,
   F, the history z and parameters p through the kernel's sensitivity form.
@@ -46,8 +46,6 @@ static PetscErrorCode PointAlong(const MpmStepMap *map, const MpmGroup *group, P
   if (acts) work->parameter[parameter->place] = 0.;
   MpmSumAddFlux(work->known, sum->layout, &work->slope, work->flux, work->force);
   MpmSumAddFlux(work->known, sum->layout, &work->basis, work->dflux, work->force);
-  for (PetscInt a = 0; a < start->dim; a++)
-    MpmBasisAddForce(&work->slope, work->known.n, -map->body[p * start->dim + a], &work->force[a * work->known.n]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -19,8 +19,7 @@ PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&rules));
   *rules = MpmStepRules(model, model->gradient->tape.step[n].time);
-  PetscCall(PetscMalloc3((count + 1), &step->u, (disc->points->count * disc->dim + 1), &step->body, (loads + 1),
-                         &step->factors));
+  PetscCall(PetscMalloc2((count + 1), &step->u, (loads + 1), &step->factors));
   PetscCall(PetscArraycpy(step->u, disc->nodal.u, count));
   for (PetscInt l = 0; l < loads; l++) step->factors[l] = MpmStepLoadFactor(model, l, rules->time.end);
   step->map = (MpmStepMap){.rules      = rules,
@@ -30,9 +29,7 @@ PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep
                            .u          = step->u,
                            .load_count = loads,
                            .loads      = model->scene.loads->at,
-                           .factors    = step->factors,
-                           .body       = step->body};
-  PetscCall(MpmLoadsFind(&step->map, step->body));
+                           .factors    = step->factors};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -40,7 +37,7 @@ PetscErrorCode MpmReplayedStepDestroy(MpmReplayedStep *step)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree(step->map.rules));
-  PetscCall(PetscFree3(step->u, step->body, step->factors));
+  PetscCall(PetscFree2(step->u, step->factors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

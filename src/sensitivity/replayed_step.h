@@ -15,7 +15,7 @@ PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[]);
 /* The step that is replayed, as the sums of its derivatives take it (replayed_step.c). */
 typedef struct {
   MpmStepMap map;
-  PetscReal *u, *body, *factors;
+  PetscReal *u, *factors;
 } MpmReplayedStep;
 PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep *step);
 PetscErrorCode MpmReplayedStepDestroy(MpmReplayedStep *step);

@@ -25,7 +25,6 @@ typedef struct {
   PetscInt                  load_count;
   const MpmLoad            *loads;
   const PetscReal          *factors; /* of the loads in the step */
-  const PetscReal          *body;    /* forces of the loads at the points, N, dim each */
 } MpmStepMap;
 
 /* A direction: of the state, of one parameter (-1: none), of the solution (NULL: none). */
@@ -50,10 +49,7 @@ PetscErrorCode MpmPointsPullSolution(const MpmStepMap *map, const MpmPointVector
 PetscErrorCode MpmPointsPullStart(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
                                   MpmPointVector *start, PetscReal gradient[]);
 
-/*
-  Loads (load_map.c), whose forces on the points the points' part spreads over the nodes. Find: these forces. Along:
-  adds dr by the direction's parameter. Pull: adds dL/dp.
-*/
-PetscErrorCode MpmLoadsFind(const MpmStepMap *map, PetscReal body[]);
+/* Loads (load_map.c), likewise. */
 PetscErrorCode MpmLoadsAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[]);
-PetscErrorCode MpmLoadsPull(const MpmStepMap *map, const PetscReal lam[], PetscReal gradient[]);
+PetscErrorCode MpmLoadsPullStart(const MpmStepMap *map, const PetscReal lam[], MpmPointVector *start,
+                                 PetscReal gradient[]);

@@ -72,27 +72,38 @@ static PetscErrorCode StretchSlopes(PetscInt dim, const PetscReal F[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Derivatives of the half-lengths. */
-static PetscErrorCode LengthSlopes(const MpmRules *rules, const MpmPoints *points, PetscInt p, const PetscInt lower[],
-                                   const PetscInt upper[], MpmPointSlopes *slopes)
+/* Derivatives of the half-lengths by F, before they are clipped. */
+static PetscErrorCode StretchedSlopes(const MpmRules *rules, const MpmPoints *points, PetscInt p,
+                                      MpmPointSlopes *slopes)
+{
+  const PetscInt dim = rules->grid->dim;
+
+  PetscFunctionBeginUser;
+  PetscCall(StretchSlopes(dim, MpmPointF(points, p), slopes->stretch_by_F));
+  for (PetscInt a = 0; a < dim; a++)
+    for (PetscInt k = 0; k < dim * dim; k++)
+      slopes->stretch_by_F[a][k] *= points->domain.half_length[p * dim + a] / rules->grid->h[a];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Derivatives of the half-lengths as they are. */
+static void LengthSlopes(const MpmRules *rules, const MpmPoints *points, PetscInt p, const PetscInt lower[],
+                         const PetscInt upper[], MpmPointSlopes *slopes)
 {
   const MpmGrid   *grid = rules->grid;
   const PetscInt   dim  = grid->dim;
   const PetscReal *half = &slopes->space->shapes.half[p * dim];
 
-  PetscFunctionBeginUser;
-  PetscCall(StretchSlopes(dim, MpmPointF(points, p), slopes->length_by_F));
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal xi    = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
     const PetscReal below = xi - (PetscReal)lower[a], above = (PetscReal)upper[a] - xi;
     const PetscBool clipped = (PetscBool)(half[a] >= PetscMin(below, above));
-    const PetscReal factor  = points->domain.half_length[p * dim + a] / grid->h[a];
     const PetscBool longest = (PetscBool)(rules->longest > 0. && half[a] >= rules->longest);
 
     slopes->length_by_place[a] = clipped ? (below < above ? 1. : -1.) / grid->h[a] : 0.;
-    for (PetscInt k = 0; k < dim * dim; k++) slopes->length_by_F[a][k] *= clipped || longest ? 0. : factor;
+    for (PetscInt k = 0; k < dim * dim; k++)
+      slopes->length_by_F[a][k] = clipped || longest ? 0. : slopes->stretch_by_F[a][k];
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points, const MpmGroup *group, PetscInt point,
@@ -124,7 +135,8 @@ PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points
       by.gradient_by_length[i] /= grid->h[a];
     }
   }
-  if (slopes->domain) PetscCall(LengthSlopes(rules, points, point, lower, upper, slopes));
+  if (points->domain.half_length) PetscCall(StretchedSlopes(rules, points, point, slopes));
+  if (slopes->domain) LengthSlopes(rules, points, point, lower, upper, slopes);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -152,6 +164,13 @@ void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, Mp
       }
     }
   }
+}
+
+PetscReal MpmPointSlopesWeight(const MpmPointSlopes *slopes, PetscInt axis, PetscInt i, MpmSlopeKind kind)
+{
+  const PetscInt W = slopes->width, here = (slopes->point * slopes->space->dim + axis) * W;
+
+  return kind == MPM_BY_PLACE ? slopes->space->shapes.at[0].gradient[here + i] : slopes->weight[axis * W + i];
 }
 
 void MpmPointSlopesAlong(const MpmPointSlopes *slopes, PetscInt F_size, const PetscReal dx[], const PetscReal dF[],

@@ -16,10 +16,11 @@ typedef enum { MPM_BY_PLACE, MPM_BY_LENGTH, MPM_BY_COUNT } MpmSlopeKind;
 typedef struct {
   const MpmSpace *space;
   PetscInt        point, width;
-  PetscBool       domain;                              /* weights depend on half-lengths */
-  PetscReal       length_by_place[MPM_MAX_DIM];        /* of the half-length on the same axis, cells/m */
-  PetscReal       length_by_F[MPM_MAX_DIM][MPM_F_MAX]; /* cells */
-  PetscReal      *bend, *weight, *gradient;            /* bend: 1/m2; by half-length: 1/cell and 1/(m cell) */
+  PetscBool       domain;                               /* weights depend on half-lengths */
+  PetscReal       length_by_place[MPM_MAX_DIM];         /* of the half-length on the same axis, cells/m */
+  PetscReal       stretch_by_F[MPM_MAX_DIM][MPM_F_MAX]; /* of the half-length before it is clipped, cells */
+  PetscReal       length_by_F[MPM_MAX_DIM][MPM_F_MAX];  /* cells */
+  PetscReal      *bend, *weight, *gradient;             /* bend: 1/m2; by half-length: 1/cell and 1/(m cell) */
 } MpmPointSlopes;
 
 PetscErrorCode MpmPointSlopesCreate(const MpmSpace *space, MpmPointSlopes *slopes);
@@ -33,6 +34,8 @@ PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points
 */
 void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
                          const MpmBasis *basis);
+/* The derivative of the weight of a group's node i on an axis, alone. */
+PetscReal MpmPointSlopesWeight(const MpmPointSlopes *slopes, PetscInt axis, PetscInt i, MpmSlopeKind kind);
 /* The change of all half-lengths, in cells, with the place and F; and the transposed operation, added. */
 void MpmPointSlopesAlong(const MpmPointSlopes *slopes, PetscInt F_size, const PetscReal dx[], const PetscReal dF[],
                          PetscReal half[]);

@@ -142,6 +142,21 @@ def triaxial(pressure):
         "point": {"material": "sand", "stress": stress, "path": "triaxial_drained", "end": -0.06, "steps": 40}}})
 
 
+def check_gradient(test):
+    """Derivatives of a run: both methods, scaling, a misfit, refusals."""
+    coarse = {"grid_cells": "16,8", "time_step": 0.1}
+    names = ["soil.E", "soil.yield_stress", "weight.factor"]
+    adjoint, tangent = (talus.gradient(COLLAPSE, names, "track_toe_ux", method=method, **coarse) for method in ("adjoint", "tangent"))
+    test.near("gradient.tangent", float(abs(tangent.values / adjoint.values - 1.0).max()), 0.0, absolute=1e-8)
+    parts = adjoint.values.to_numpy() * (1e6, 24494.897, 1.0)
+    test.near("gradient.scaling", parts.sum(), 0.0, absolute=1e-6 * abs(parts).max())
+    test.near("gradient.value", adjoint.objective, adjoint.results.history["track_toe_ux"].iloc[-1], relative=1e-9)
+    misfit = talus.gradient(COLLAPSE, names, {"toe": {"column": "track_toe_ux", "target": 5.0, "deviation": 0.1}}, **coarse)
+    test.near("gradient.misfit", misfit.objective, 0.5 * ((adjoint.objective - 5.0) / 0.1) ** 2, relative=1e-9)
+    test.near("gradient.chain", misfit.values["soil.E"], adjoint.values["soil.E"] * (adjoint.objective - 5.0) / 0.01, relative=1e-6)
+    test.check("gradient.refused", "no parameter Q" in refusal(lambda: talus.gradient(COLLAPSE, ["soil.Q"], "track_toe_ux")), 1, 1)
+
+
 def check_sweep(test):
     """Sets as lists and as dicts; refused ones have a row without numbers, results stay where they are asked for."""
     table = talus.sweep(triaxial(1e5), {"material_sand_E": [20e6, 30e6, -1], "material_sand_dilation": [5, 40]}, folder="study")
@@ -231,7 +246,8 @@ def main():
     """The checks, in the environment."""
     with Test() as test:
         os.environ.update(ENVIRONMENT, TALUS=str(test.program), TALUS_MPIEXEC="mpiexec --oversubscribe")
-        for check in (check_package, check_scene, check_run, check_sweep, check_calibration, check_notebooks, check_types):
+        for check in (check_package, check_scene, check_run, check_gradient, check_sweep, check_calibration, check_notebooks,
+                      check_types):
             check(test)
 
 

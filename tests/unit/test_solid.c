@@ -534,7 +534,7 @@ START_TEST(motions_refused)
      "-mpm_a_ramp: must not be given beside -mpm_a_motion_table, which has the motion by time"},
     {2, "-mpm_a_rotation 3", "time,ux\n0,0\n",
      "-mpm_a_rotation: must not be given beside -mpm_a_motion_table, which has the motion by time"},
-    {2, "", "ux\n0\n", "-mpm_a_motion_table test_solid.csv: has no column time"},
+    {2, "", "ux\n0\n", "-mpm_a_motion_table test_solid.csv: has no column time; there is ux"},
     {2, "", "time\n0\n", "-mpm_a_motion_table test_solid.csv: has no column that moves anything: ux, uy or rz"},
     {2, "", "time,ux\n", "-mpm_a_motion_table test_solid.csv: has no rows"},
     {2, "", "time,uz\n0,0\n", "-mpm_a_motion_table test_solid.csv: column uz is unknown: must be time, ux, uy or rz"},

@@ -80,7 +80,31 @@ with Test() as test:
     test.near("footing.scaling", gradient @ (10e6, 17320.508), force, relative=1e-9)
     test.check("footing.yield_stress", gradient[1], None, -3.0)  # N_c 5.14 over sqrt(3), for half of the footing: 2.97
 
+    # tractions act at faces, and gravity under this shape at the ends of domains
+    loads = (("cook", "panel.E", 70.0, "track_middle_uy",
+              {"mpm_grid_cells": "13,16", "mpm_time_end": 0.1, "mpm_time_step": 0.05}),
+             ("bar_elastic", "column.E", 10e3, "track_top_uy", {"mpm_shape": "gimp_bspline2", "mpm_grid_cells": "1,32",
+                                                                "mpm_grid_upper": "1.5625,50", "mpm_time_step": 0.1}))
+    for scene, parameter, stiffness, column, options in loads:
+        _, gradient = differentiate(test, scene, parameter, column, **options)
+        _, other = differentiate(test, scene, parameter, column, "tangent", **options)
+        test.near(f"{scene}.loads.tangent", other[0], gradient[0], relative=1e-9)
+        name = "mpm_material_" + parameter.replace(".", "_")
+        ends = [differentiate(test, scene, parameter, column, **options, **{name: repr(stiffness * (1 + step))})[0]
+                for step in (-1e-6, 1e-6)]
+        test.near(f"{scene}.loads.differences", gradient[0], (ends[1] - ends[0]) / 2e-6 / stiffness, relative=1e-6)
+
+    # the program's own check, which fails a derivative that is wrong
     ask = {"mpm_objectives": "u", "mpm_objective_u_column": "track_tip_ux", "mpm_objective_u_kind": "value"}
+    check = {"mpm_task": "check_gradient", "mpm_gradient_parameters": "beam.E,tip.factor", **ask, "snes_rtol": 1e-13, "snes_stol": 0}
+    run = test.run(example("cantilever"), **{**CANTILEVER, "mpm_time_step": 0.2}, **check)
+    lines = [line for line in run.output.splitlines() if "tangent" in line]
+    test.check("check.lines", len(lines), 2, 2)
+    test.check("check.differences", sum("apart; differences" in line for line in lines), 2, 2)
+    loose = {**check, "mpm_gradient_parameters": "beam.E", "snes_rtol": 0.1}  # no solution that has a derivative
+    run = test.run(example("cantilever"), status=3, **{**CANTILEVER, "mpm_time_step": 0.2}, **loose)
+    test.check("check.fails", "derivative by beam.E" in run.errors, 1, 1)
+
     refuse(test, "no_parameters", "cantilever", "-mpm_parameters is missing", **ask)
     refuse(test, "no_objectives", "cantilever", "-mpm_objectives is missing", mpm_gradient_parameters="beam.E")
     refuse(test, "key", "cantilever", "no parameter Q", mpm_gradient_parameters="beam.Q", **ask)

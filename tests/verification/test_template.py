@@ -61,7 +61,8 @@ def in_tree(test, build, top):
     sources, own = top / "sources", top / "own"
     for folder in FOLDERS:
         shutil.copytree(ROOT / folder, sources / folder, ignore=shutil.ignore_patterns("*.png", "__pycache__"))
-    shutil.copy(ROOT / "CMakeLists.txt", sources)
+    for name in ("CMakeLists.txt", "LICENSE"):
+        shutil.copy(ROOT / name, sources)
     write_law(sources / "materials" / f"{NAME}.c")
     cache = dict(re.findall(r"^(\w+):\w+=(.*)$", (build / "CMakeCache.txt").read_text(), re.MULTILINE))
     must(test, "configure", ["cmake", "-G", "Unix Makefiles", "-S", sources, "-B", own, "-DTALUS_TESTS=OFF",

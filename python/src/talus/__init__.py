@@ -11,6 +11,7 @@ from . import importers, templates
 from . import plot
 from .calibration import Calibration, calibrate
 from .errors import RunError, SceneError
+from .gradients import Gradient, gradient
 from .program import find_program
 from .plot import Picture
 from .results import Results, ResultsError, State
@@ -18,5 +19,5 @@ from .running import run
 from .scene import Scene
 from .sweeps import sweep
 
-__all__ = ["Calibration", "Picture", "Results", "ResultsError", "RunError", "Scene", "SceneError", "State", "calibrate",
-           "find_program", "importers", "run", "sweep", "templates"]
+__all__ = ["Calibration", "Gradient", "Picture", "Results", "ResultsError", "RunError", "Scene", "SceneError", "State", "calibrate",
+           "find_program", "gradient", "importers", "run", "sweep", "templates"]
