@@ -45,7 +45,7 @@ static void CellBegin(const MpmStepMap *map, const MpmCell *of, Cell *cell)
   for (int k = 0; k < 2; k++) cell->volume[k] = cell->mean[k] = cell->flux[k] = 0.;
 }
 
-/* The points' own m, and volumes; along a direction, or with `along` 0. */
+/* A point's own m and volume, with their changes along a direction. */
 static PetscErrorCode TakeMean(const MpmStepMap *map, PetscInt p, const MpmKernelPoint *point,
                                const MpmKernelDirection *direction, const MpmPointWork *work, CellPoint *at, Cell *cell)
 {

@@ -4,7 +4,7 @@
 #include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
-#include "particles/particles.h"
+#include "particles/body.h"
 #include "space/space.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
@@ -40,6 +40,14 @@ static PetscBool AnyInclined(const MpmConditions *conditions)
   return PETSC_FALSE;
 }
 
+/* True where any body begins with stress, or masses of its own. */
+static PetscBool AnyStressed(const MpmBodies *bodies)
+{
+  for (PetscInt b = 0; b < bodies->count; b++)
+    if (MpmBodyIsImported(bodies->at[b]) || MpmBodyIsStressed(bodies->at[b])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 static PetscErrorCode CheckParts(const MpmModel model)
 {
   const MpmScene *scene   = &model->scene;
@@ -58,6 +66,7 @@ static PetscErrorCode CheckParts(const MpmModel model)
          {"surfaces", (PetscBool)(scene->surfaces->count > 0)},
          {"terms from plugins", (PetscBool)(scene->terms->count > 0)},
          {"conditions along a normal, and absorbing ones", AnyInclined(scene->bcs)},
+         {"initial stresses and bodies from files", AnyStressed(scene->bodies)},
          {"a body force of the caller", (PetscBool)(scene->body_force.function != NULL)},
          {"the ghost penalty (-mpm_stabilization_ghost)", (PetscBool)(model->disc.matrix.ghost > 0.)},
          {"the penalty on all faces (-mpm_stabilization_interior)", (PetscBool)(scene->stabilization.interior > 0.)},
@@ -84,5 +93,24 @@ PetscErrorCode MpmGradientCheckScene(const MpmModel model)
                   "-mpm_stabilization_fbar false does without");
   MpmCheckInput(model->disc.layout->kernel->sensitivity,
                 "-mpm_task gradient: there are no derivatives yet with -mpm_physics %s", model->scene.physics.name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGradientCheckRun(const MpmModel model, MpmOutcome *outcome)
+{
+  const PetscInt *changes = model->monitor.changes;
+  PetscInt        faces   = model->disc.space->boxes.faces.count;
+
+  PetscFunctionBeginUser;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &faces, 1, MPIU_INT, MPI_MAX, model->comm));
+  if (faces)
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
+                             "points are sparse, and there are no derivatives yet with the penalty that holds them; "
+                             "-mpm_stabilization_ghost off does without"));
+  if (changes[MPM_CHANGE_DILATION] || changes[MPM_CHANGE_SETTLING])
+    PetscCall(
+      MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
+                     "the run has settled or averaged dilation by itself, and there are no derivatives yet with "
+                     "that"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

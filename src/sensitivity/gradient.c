@@ -117,6 +117,8 @@ PetscErrorCode MpmGradientRecord(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmGradientCheckRun(model, &model->caller.outcome));
+  if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGradientCollect(model));
   PetscCall(MpmTapeRecord(model, &model->gradient->tape));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -27,6 +27,8 @@ PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmGradientDestroy(MpmGradient **gradient);
 /* Fails where the scene has a part without derivatives (differentiable.c). */
 PetscErrorCode MpmGradientCheckScene(const MpmModel model);
+/* Fails where the last step has used a part without derivatives. Collective. */
+PetscErrorCode MpmGradientCheckRun(const MpmModel model, MpmOutcome *outcome);
 /* Begin: before the first step. Record: after each. Find: after the last one, into the results' derivatives.
    Nothing where none are asked for. Collective. */
 PetscErrorCode MpmGradientBegin(MpmModel model);

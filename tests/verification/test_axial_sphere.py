@@ -75,6 +75,46 @@ def lame(test):
     test.near("lame.pressure", abs(run.results.column("reaction_hole_y")[-1]) / np.pi, 1.0, relative=5e-3)
 
 
+CUT = """
+mpm:
+  dim: 2
+  kinematics: axisymmetric
+  grid: {lower: "0,0", upper: "2.25,2.25", cells: "%d,%d"}
+  shape: gimp_bspline2
+  materials: metal
+  material_metal: {type: linear_elastic, E: 1e6, nu: 0.3, density: 0}
+  bodies: ball
+  body_ball: {region: polygon, vertices: "%s", material: metal, points_per_cell: "3,3", edge: cut}
+  bcs: axis,plane
+  bc_axis: {region: box, lower: "0,0", upper: "0,3", components: "x"}
+  bc_plane: {region: box, lower: "0,0", upper: "3,0", components: "y"}
+  surfaces: hole
+  surface_hole: {body: ball, side: all, region: sphere, center: "0,0", radius: 1.3, normal: -1}
+  time: {end: 1, step: 1}
+  output: {prefix: ball, every: 1000}
+"""
+
+
+def cut(test):
+    """Points cut exactly along the quadrant of a sphere under inner pressure: stress between the surfaces is of second order."""
+    angle = np.linspace(0, np.pi / 2, 400)
+    chord = np.sqrt(angle[1] / np.sin(angle[1]))  # of the polygon's radius, for the area of the arc
+    arcs = [radius * chord * np.stack([np.cos(angle), np.sin(angle)], 1).clip(0) for radius in (OUTER, INNER)]
+    vertices = ",".join(f"{x:.12g}" for x in np.concatenate([arcs[0], arcs[1][::-1]]).ravel())
+    factor, errors = 1.0 / (OUTER**3 - INNER**3), []
+    for cells in (4, 8, 16):
+        scene = test.folder() / "case.yaml"
+        scene.write_text(CUT % (round(2.25 * cells), round(2.25 * cells), vertices))
+        state = test.run(scene).results.state("last")
+        radius = np.hypot(*state["position"].T)
+        exact = factor * np.stack([1 - (OUTER / radius) ** 3, *2 * [1 + (OUTER / radius) ** 3 / 2], 0 * radius])
+        away = polar(state["position"], state["stress"]) - exact
+        errors.append(np.sqrt(np.mean(away[:, (radius > 1.2) & (radius < 1.8)] ** 2)))
+        test.near(f"cut.volume.{cells}", state["volume"].sum() / (2 / 3 * np.pi * (OUTER**3 - INNER**3)), 1.0, absolute=1e-4)
+    test.check("cut.stress", errors[-1], None, 1e-3)
+    test.check("cut.order", np.log2(errors[0] / errors[2]) / 2, 1.8)
+
+
 def limit(test):
     """The inner pressure of the plastic sphere, by its reaction over the present area."""
     run = test.run(ball(test, 8, f"type: j2, yield_stress: {YIELD}", (0.01, 0.0)), mpm_shape="gimp", mpm_time_step=0.05,
@@ -143,7 +183,7 @@ def field(test):
     test.check("field.order_at_axis", orders[1], 0.95)
 
 
-PARTS = (lame, limit, field)
+PARTS = (lame, cut, limit, field)
 if __name__ == "__main__":
     with Test() as test:
         for part in PARTS:
