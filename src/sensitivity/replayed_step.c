@@ -5,6 +5,7 @@
 #include "particles/points.h"
 #include "space/space.h"
 #include "bc/bc.h"
+#include "problem/evaluation.h"
 #include "step/step.h"
 #include "sensitivity/replayed_step.h"
 
@@ -43,26 +44,24 @@ PetscErrorCode MpmReplayedStepDestroy(MpmReplayedStep *step)
 
 PetscErrorCode MpmReplayedSolveSetUp(MpmModel model)
 {
-  MpmSolver *solver = &model->solver;
-  Mat        J, P;
+  Mat J;
+  KSP ksp;
 
   PetscFunctionBeginUser;
-  PetscCall(SNESGetJacobian(solver->snes, &J, &P, NULL, NULL));
-  PetscCall(SNESComputeJacobian(solver->snes, solver->x, J, P));
+  PetscCall(MpmSolverLinearise(&model->solver, model->solver.x, &J, &ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A Krylov method of its own around the solver's preconditioner. */
 static PetscErrorCode CreateSolver(MpmModel model, KSP *ksp)
 {
-  MpmSolver *solver = &model->solver;
-  KSP        own;
-  PC         pc;
-  Mat        J, P;
+  KSP own;
+  PC  pc;
+  Mat J, P;
 
   PetscFunctionBeginUser;
-  PetscCall(SNESGetJacobian(solver->snes, &J, &P, NULL, NULL));
-  PetscCall(SNESGetKSP(solver->snes, &own));
+  PetscCall(SNESGetKSP(model->solver.snes, &own));
+  PetscCall(KSPGetOperators(own, &J, &P));
   PetscCall(KSPGetPC(own, &pc));
   PetscCall(KSPCreate(model->comm, ksp));
   PetscCall(KSPSetOptionsPrefix(*ksp, "gradient_"));
@@ -71,12 +70,12 @@ static PetscErrorCode CreateSolver(MpmModel model, KSP *ksp)
   PetscCall(KSPSetType(*ksp, KSPGMRES));
   PetscCall(KSPGMRESSetRestart(*ksp, 100));
   PetscCall(KSPSetTolerances(*ksp, RTOL, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-gradient_ksp_monitor", NULL));
+  PetscCall(KSPSetFromOptions(*ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Nodal values to the owners' unknowns, and back. */
-static PetscErrorCode ToUnknowns(MpmModel model, PetscReal nodal[], Vec vec)
+/* Forces at the nodes, a rank's part, to the owners' equations. */
+static PetscErrorCode ToEquations(MpmModel model, PetscReal nodal[], Vec vec)
 {
   const MpmConstraints *constraints = model->disc.constraints;
   const PetscInt        count       = model->disc.space->owned * model->disc.block;
@@ -94,23 +93,6 @@ static PetscErrorCode ToUnknowns(MpmModel model, PetscReal nodal[], Vec vec)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ToNodes(MpmModel model, Vec vec, PetscReal nodal[])
-{
-  const MpmConstraints *constraints = model->disc.constraints;
-  const PetscInt        count       = model->disc.space->owned * model->disc.block;
-  const PetscScalar    *values;
-
-  PetscFunctionBeginUser;
-  PetscCall(VecGetArrayRead(vec, &values));
-  PetscCall(PetscArraycpy(nodal, values, count));
-  PetscCall(VecRestoreArrayRead(vec, &values));
-  MpmUnitsTimes(constraints, count, nodal);
-  PetscCall(MpmSpaceToGhosts(model->disc.space, model->disc.block, nodal));
-  MpmFramesToAxes(constraints, model->disc.block, model->disc.space->local, nodal);
-  MpmConstraintsExtend(constraints, model->disc.space, nodal);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmReplayedSolve(MpmModel model, PetscBool transposed, PetscReal b[], PetscReal y[])
 {
   Vec                right, solution;
@@ -121,13 +103,13 @@ PetscErrorCode MpmReplayedSolve(MpmModel model, PetscBool transposed, PetscReal 
   PetscCall(VecDuplicate(model->solver.x, &right));
   PetscCall(VecDuplicate(model->solver.x, &solution));
   PetscCall(CreateSolver(model, &ksp));
-  PetscCall(ToUnknowns(model, b, right));
+  PetscCall(ToEquations(model, b, right));
   if (transposed && !model->solver.definite.symmetric) PetscCall(KSPSolveTranspose(ksp, right, solution));
   else PetscCall(KSPSolve(ksp, right, solution));
   PetscCall(KSPGetConvergedReason(ksp, &reason));
   PetscCheck(reason > 0, model->comm, PETSC_ERR_NOT_CONVERGED, "a linear solve of the gradient did not converge: %s",
              KSPConvergedReasons[reason]);
-  PetscCall(ToNodes(model, solution, y));
+  PetscCall(MpmEvaluationNodes(&model->disc, solution, y));
   PetscCall(KSPDestroy(&ksp));
   PetscCall(VecDestroy(&right));
   PetscCall(VecDestroy(&solution));

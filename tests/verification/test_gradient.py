@@ -105,6 +105,11 @@ with Test() as test:
     run = test.run(example("cantilever"), status=3, **{**CANTILEVER, "mpm_time_step": 0.2}, **loose)
     test.check("check.fails", "derivative by beam.E" in run.errors, 1, 1)
 
+    # options of the gradient's own linear solves
+    run = test.run(example("cantilever"), **{**CANTILEVER, "mpm_time_step": 0.5}, **{**check, "mpm_task": "gradient"},
+                   gradient_ksp_converged_reason=None)
+    test.check("solves", run.output.count("gradient_ solve converged"), 2, 2)
+
     # points one a cell are held by a penalty that has no derivatives: the run says so
     run = test.run(example("cantilever"), status=3, **{**CANTILEVER, "mpm_body_beam_points_per_cell": "1,1"},
                    **{**check, "mpm_task": "gradient"})
