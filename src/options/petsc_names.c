@@ -20,7 +20,7 @@ static const char *const names[] = {
 #include "mpm_petsc_options.h"
   NULL};
 
-/* Of solvers within solvers, followed by a level's number or a field's name where they have one, and of the gradient's. */
+/* Of the gradient's solver, and of solvers within solvers, with a level's number or a field's name behind. */
 static const char *const prefixes[] = {
   "coarse_",    "deflation_", "esteig_",       "fas_coarse_", "fas_levels_", "gradient_",  "fieldsplit_",
   "galerkin_",  "inner_",     "ksp_",          "levels_",     "lsc_",        "mg_coarse_", "mg_fine_",
