@@ -20,8 +20,12 @@ PetscErrorCode MpmModelLeave(MpmModel model);
     PetscCall(model_error); \
   } while (0)
 
-/* Of the task check_gradient: derivatives against those of changed runs (gradient_check.c); fails the run's outcome. */
-PetscErrorCode MpmGradientCheck(MpmModel model);
+/*
+  The two parts of a run, with the model's options in force (steps.c): all steps with their results, and the summary.
+  Between them stands whatever follows from the steps.
+*/
+PetscErrorCode MpmModelRunSteps(MpmModel model, PetscBool *interrupted);
+PetscErrorCode MpmModelRunEnd(MpmModel model, PetscBool interrupted);
 /* True where the scene has been read. */
 PetscBool MpmModelHasScene(const MpmModel model);
 

@@ -16,7 +16,6 @@
 #include "sensitivity/gradient.h"
 #include "checkpoint/checkpoint.h"
 #include "model/build.h"
-#include "model/laboratory.h"
 
 /* Reason for which the last step was given up, or NULL. */
 static const char *Reason(const MpmModel model)
@@ -222,24 +221,11 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
     PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,
                               (double)model->state.time, why));
   }
-  if (!why && !interrupted) {
-    PetscCall(MpmGradientFind(model));
-    PetscCall(MpmGradientCheck(model));
-    why = Reason(model);
-    if (why) PetscCall(MpmTerminalWarn(model, "%s", why));
-  }
-  PetscCall(MpmModelWriteSummary(model, why                  ? why
-                                        : interrupted        ? "interrupted"
-                                        : model->caller.stop ? "stopped"
-                                                             : "completed"));
-  PetscCall(WarnUnused(model, MPM_AT_END));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* All steps with their results. */
-static PetscErrorCode Run(MpmModel model)
+PetscErrorCode MpmModelRunSteps(MpmModel model, PetscBool *interrupted)
 {
-  PetscBool interrupted; /* by a signal */
   PetscReal dt;
 
   PetscFunctionBeginUser;
@@ -248,8 +234,8 @@ static PetscErrorCode Run(MpmModel model)
   PetscCall(OpenResults(model));
   model->results->history_step = model->state.step;
   PetscCall(MpmGradientBegin(model));
-  PetscCall(MpmCheckpointStep(model, &interrupted));
-  while (!interrupted && !model->caller.stop && !AtEnd(model)) {
+  PetscCall(MpmCheckpointStep(model, interrupted));
+  while (!*interrupted && !model->caller.stop && !AtEnd(model)) {
     const PetscInt before = model->state.step;
 
     PetscCall(TakeStep(model, &dt));
@@ -258,27 +244,25 @@ static PetscErrorCode Run(MpmModel model)
     if (model->state.step > before) PetscCall(MpmGradientRecord(model));
     if (!model->caller.outcome.code) PetscCall(MpmWaterFindHeave(model, &model->caller.outcome));
     if (model->caller.outcome.code) break;
-    PetscCall(MpmCheckpointStep(model, &interrupted));
+    PetscCall(MpmCheckpointStep(model, interrupted));
   }
   if (AtEnd(model)) model->caller.stop = PETSC_FALSE;
-  PetscCall(Finish(model, interrupted));
-  PetscCall(MpmModelViewFromOptions(model));
-  if (interrupted) PetscCall(MpmTerminalInterrupted(model));
+  PetscCall(Finish(model, *interrupted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModelRun(MpmModel model, int *status)
+PetscErrorCode MpmModelRunEnd(MpmModel model, PetscBool interrupted)
 {
+  const char *why = Reason(model);
+
   PetscFunctionBeginUser;
-  PetscCall(MpmModelSetUp(model));
-  PetscCheck(!model->results->history, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the model has been run");
-  PetscCall(MpmFolderMake(model->comm, model->scene.name.prefix));
-  if (model->laboratory) {
-    MpmModelCall(model, MpmLaboratoryRun(model, status));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  MpmModelCall(model, Run(model));
-  *status = model->caller.outcome.code ? MPM_EXIT_GAVEUP : 0;
+  PetscCall(MpmModelWriteSummary(model, why                  ? why
+                                        : interrupted        ? "interrupted"
+                                        : model->caller.stop ? "stopped"
+                                                             : "completed"));
+  PetscCall(WarnUnused(model, MPM_AT_END));
+  PetscCall(MpmModelViewFromOptions(model));
+  if (interrupted) PetscCall(MpmTerminalInterrupted(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

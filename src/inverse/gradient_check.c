@@ -13,8 +13,7 @@
 #include "observe/history.h"
 #include "observe/results.h"
 #include "sensitivity/gradient.h"
-#include "model/build.h"
-#include "model/program.h"
+#include "inverse/inverse.h"
 
 #define LARGEST   1e-3 /* changes, in parts of the parameter, from here on */
 #define CHANGES   6    /* each a tenth of the one before */
