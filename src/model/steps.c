@@ -231,9 +231,10 @@ PetscErrorCode MpmModelRunSteps(MpmModel model, PetscBool *interrupted)
   PetscFunctionBeginUser;
   MpmOutcomeClear(&model->caller.outcome);
   PetscCall(MpmTerminalBegin(model, NULL));
+  PetscCall(MpmGradientBegin(model));
   PetscCall(OpenResults(model));
   model->results->history_step = model->state.step;
-  PetscCall(MpmGradientBegin(model));
+  if (model->gradient) PetscCall(MpmGradientCollect(model));
   PetscCall(MpmCheckpointStep(model, interrupted));
   while (!*interrupted && !model->caller.stop && !AtEnd(model)) {
     const PetscInt before = model->state.step;

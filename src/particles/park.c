@@ -56,15 +56,20 @@ static PetscErrorCode CountTotal(MpmParticles *particles)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Copies points, `index` or all, into data that is made for them. */
-static PetscErrorCode Park(MpmParticles *particles, PetscInt count, const PetscInt index[], MpmParked *parked)
+size_t MpmParkedBytes(const MpmParticles *particles, const MpmParked *parked)
 {
   size_t bytes = 0;
 
-  PetscFunctionBeginUser;
   for (PetscInt k = 0; k < particles->field_count; k++) bytes += FieldBytes(&particles->fields[k]);
+  return (size_t)parked->count * bytes;
+}
+
+/* Copies points, `index` or all, into data that is made for them. */
+static PetscErrorCode Park(MpmParticles *particles, PetscInt count, const PetscInt index[], MpmParked *parked)
+{
+  PetscFunctionBeginUser;
   parked->count = count;
-  PetscCall(PetscMalloc1(((size_t)count * bytes), &parked->data));
+  PetscCall(PetscMalloc1(MpmParkedBytes(particles, parked), &parked->data));
   PetscCall(CopyRows(particles, count, index, 0, parked->data, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -151,7 +156,8 @@ PetscErrorCode MpmParticlesHalve(MpmParticles *particles, PetscInt count, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
+/* Copies of the parked points follow the others. */
+static PetscErrorCode Append(MpmParticles *particles, const MpmParked *parked)
 {
   PetscInt first;
 
@@ -162,9 +168,16 @@ PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
     PetscCall(DMSwarmAddNPoints(particles->swarm, parked->count));
     PetscCall(CopyRows(particles, parked->count, NULL, first, parked->data, PETSC_FALSE));
   }
+  PetscCall(CountTotal(particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked)
+{
+  PetscFunctionBeginUser;
+  PetscCall(Append(particles, parked));
   PetscCall(PetscFree(parked->data));
   parked->count = 0;
-  PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -178,7 +191,7 @@ PetscErrorCode MpmParticlesKeep(MpmParticles *particles, MpmParked *kept)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesTakeUp(MpmParticles *particles, MpmParked *kept)
+PetscErrorCode MpmParticlesTakeUp(MpmParticles *particles, const MpmParked *kept)
 {
   PetscInt count;
 
@@ -186,6 +199,6 @@ PetscErrorCode MpmParticlesTakeUp(MpmParticles *particles, MpmParked *kept)
   PetscCall(MpmParticlesRelease(particles));
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
   while (count--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, count));
-  PetscCall(MpmParticlesReturn(particles, kept));
+  PetscCall(Append(particles, kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

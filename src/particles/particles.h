@@ -73,9 +73,11 @@ PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, Petsc
 PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *here, PetscInt **outside,
                                        PetscInt *count);
 PetscErrorCode MpmParticlesRemoveAt(MpmParticles *particles, PetscInt count, const PetscInt place[]);
-/* All points of this rank, copied; the second function replaces the present ones by the copies, and empties `kept`. */
+/* All points of this rank, copied; the second function replaces the present ones by the copies, which stay. */
 PetscErrorCode MpmParticlesKeep(MpmParticles *particles, MpmParked *kept);
-PetscErrorCode MpmParticlesTakeUp(MpmParticles *particles, MpmParked *kept);
+PetscErrorCode MpmParticlesTakeUp(MpmParticles *particles, const MpmParked *kept);
+/* Size of copies. */
+size_t MpmParkedBytes(const MpmParticles *particles, const MpmParked *parked);
 /* Puts parked points back; MpmParticlesMigrate() then sends them where they belong. */
 PetscErrorCode MpmParticlesReturn(MpmParticles *particles, MpmParked *parked);
 /*

@@ -74,11 +74,18 @@ PetscErrorCode MpmStateCopy(const MpmState *state, MpmStateKept *kept)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStateReturn(MpmState *state, MpmStateKept *kept)
+PetscErrorCode MpmStatePutBack(MpmState *state, const MpmStateKept *kept)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesTakeUp(state->particles, kept->points));
   PetscCall(MpmRowsLoad(state->rows, &kept->values, "", PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStateReturn(MpmState *state, MpmStateKept *kept)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmStatePutBack(state, kept));
   PetscCall(MpmStateForget(kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -197,7 +197,9 @@ PetscErrorCode MpmStateDestroy(MpmState *state);
 /* The numbers for a checkpoint, and those of one whose names begin so into the state. */
 PetscErrorCode MpmStateSave(const MpmState *state, MpmRowValues *values);
 PetscErrorCode MpmStateLoad(MpmState *state, const MpmRowValues *values, const char begin[]);
-/* Copy, and return to a copy, while no arrays of the points are lent; Forget frees an unneeded copy. */
+/* Copy, and return to a copy, which PutBack leaves as it is, while no arrays of the points are lent; Forget frees an
+   unneeded copy. */
 PetscErrorCode MpmStateCopy(const MpmState *state, MpmStateKept *kept);
 PetscErrorCode MpmStateReturn(MpmState *state, MpmStateKept *kept);
+PetscErrorCode MpmStatePutBack(MpmState *state, const MpmStateKept *kept);
 PetscErrorCode MpmStateForget(MpmStateKept *kept);

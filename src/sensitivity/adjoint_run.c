@@ -74,6 +74,7 @@ PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[])
     PetscCall(MpmReplayedSolveSetUp(model));
     PetscCall(StepPull(model, n, &step.map, &vector, values));
     PetscCall(MpmReplayedStepDestroy(&step));
+    if (!gradient->checks) PetscCall(MpmTapeDone(&gradient->tape, n));
   }
   PetscCall(MpmPointVectorDestroy(&vector));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));

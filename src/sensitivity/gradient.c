@@ -15,17 +15,23 @@ static PetscErrorCode ReadBlocks(MpmModel model, const MpmOptions *options, MpmG
 {
   static const char *const methods[] = {"adjoint", "tangent", NULL};
   const MpmOptions         block     = {options->comm, "mpm_gradient_", options->record};
-  PetscInt                 method    = 0;
+  PetscInt                 method = 0, store = MPM_STORE_MEMORY;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(&block, "Derivatives of a run (-mpm_task gradient)"));
   PetscCall(MpmOptionsWord(&block, "method",
                            "adjoint: one run backward for any number of parameters; tangent: one forward for each",
                            methods, MPM_OPTIONAL, &method, NULL));
-  gradient->method     = (MpmGradientMethod)method;
-  gradient->tape.limit = MEMORY;
-  PetscCall(MpmOptionsReal(&block, "memory", "bytes", "for the states of the steps, over all ranks", MPM_RANGE_POSITIVE,
-                           MPM_OPTIONAL, &gradient->tape.limit, NULL));
+  gradient->method            = (MpmGradientMethod)method;
+  gradient->tape.states.limit = MEMORY;
+  PetscCall(MpmOptionsReal(&block, "memory", "bytes",
+                           "for the states of the steps, over all ranks; those that it does not take are found again",
+                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &gradient->tape.states.limit, NULL));
+  PetscCall(MpmOptionsWord(&block, "store",
+                           "where the states of the steps are kept; disk: all, in files beside the "
+                           "results, which are gone after the run",
+                           MpmTapeStoreKinds, MPM_OPTIONAL, &store, NULL));
+  gradient->tape.states.kind = (MpmTapeStoreKind)store;
   PetscCall(MpmSceneParametersRead(model, options, &gradient->parameters));
   PetscCall(MpmObjectivesRead(model, options, &gradient->objectives));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -108,7 +114,6 @@ PetscErrorCode MpmGradientBegin(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmGradientCollect(model));
   PetscCall(MpmTapeBegin(model, &model->gradient->tape));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,5 @@
 /*
-  The steps of a run, kept in memory and replayed.
+  The steps of a run, kept and replayed.
 */
 #include "particles/particles.h"
 #include "space/space.h"
@@ -8,33 +8,12 @@
 #include "schedule/schedule.h"
 #include "sensitivity/tape.h"
 
-/* Keeps the present state. */
-static PetscErrorCode Keep(MpmModel model, MpmTape *tape, MpmStateKept *kept)
-{
-  const MpmParticles *particles = model->state.particles;
-  PetscInt            count;
-  PetscReal           bytes = 0.;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  PetscCall(MpmStateCopy(&model->state, kept));
-  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
-  for (PetscInt k = 0; k < particles->field_count; k++)
-    bytes += (PetscReal)(particles->fields[k].components * count) *
-             (particles->fields[k].integer ? (PetscReal)sizeof(PetscInt) : (PetscReal)sizeof(PetscReal));
-  tape->bytes += bytes;
-  bytes = tape->bytes;
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &bytes, 1, MPIU_REAL, MPIU_SUM, model->comm));
-  MpmCheckInput(bytes <= tape->limit,
-                "-mpm_gradient_memory %g: is too little: %" PetscInt_FMT " steps with their points take %g bytes",
-                (double)tape->limit, tape->count, (double)bytes);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmTapeBegin(MpmModel model, MpmTape *tape)
 {
   PetscFunctionBeginUser;
-  PetscCall(Keep(model, tape, &tape->end));
+  tape->states.stride = 1;
+  PetscCall(MpmTapeStoreAdd(model, 0, &tape->states));
+  PetscCall(MpmTapeStoreCheck(model, &tape->states));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -49,7 +28,6 @@ PetscErrorCode MpmTapeRecord(MpmModel model, MpmTape *tape)
     PetscCall(PetscRealloc((size_t)tape->capacity * sizeof(*tape->step), &tape->step));
   }
   step        = &tape->step[tape->count++];
-  step->start = tape->end;
   step->time  = model->state.time;
   step->dt    = model->disc.sum->step.dt;
   step->count = model->disc.space->owned * model->disc.block;
@@ -57,22 +35,19 @@ PetscErrorCode MpmTapeRecord(MpmModel model, MpmTape *tape)
   PetscCall(VecGetArrayRead(model->solver.x, &x));
   PetscCall(PetscArraycpy(step->x, x, step->count));
   PetscCall(VecRestoreArrayRead(model->solver.x, &x));
-  tape->bytes += (PetscReal)step->count * (PetscReal)sizeof(PetscScalar);
-  PetscCall(PetscMemzero(&tape->end, sizeof(tape->end)));
-  PetscCall(Keep(model, tape, &tape->end));
+  PetscCall(MpmTapeStoreCount(model, (PetscReal)step->count * (PetscReal)sizeof(PetscScalar), &tape->states));
+  PetscCall(MpmTapeStoreAdd(model, tape->count, &tape->states));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTapeReplay(MpmModel model, MpmTape *tape, PetscInt n)
+/* The model, at a step's start, is brought to its solution. */
+static PetscErrorCode GoToSolution(MpmModel model, const MpmTape *tape, PetscInt n)
 {
-  MpmTapeStep *step = &tape->step[n];
-  PetscScalar *x;
-  MpmOutcome   outcome;
+  const MpmTapeStep *step = &tape->step[n];
+  PetscScalar       *x;
+  MpmOutcome         outcome;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  PetscCall(MpmStateReturn(&model->state, &step->start));
-  PetscCall(MpmStateCopy(&model->state, &step->start));
   PetscCall(MpmStepArrange(model, &outcome));
   if (!outcome.code)
     PetscCall((*model->state.scheme.integrator->begin)(model, step->time, step->dt, PETSC_FALSE, &outcome));
@@ -85,11 +60,66 @@ PetscErrorCode MpmTapeReplay(MpmModel model, MpmTape *tape, PetscInt n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The solution of step n, where the model stands, becomes the state after it. */
+static PetscErrorCode Accept(MpmModel model, const MpmTape *tape, PetscInt n)
+{
+  PetscFunctionBeginUser;
+  PetscCall((*model->state.scheme.integrator->accept)(model));
+  model->state.time = tape->step[n].time;
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The state after n steps: from the solution of the last one, or from the last state before it that is there. */
+static PetscErrorCode GoToState(MpmModel model, MpmTape *tape, PetscInt n)
+{
+  PetscInt at = MpmTapeStoreLast(&tape->states, n), next;
+
+  PetscFunctionBeginUser;
+  if (at < n && n == tape->next) {
+    PetscCall(Accept(model, tape, n - 1));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmTapeStoreTake(model, at, &tape->states));
+  while (at < n) {
+    PetscCall(MpmTapeStoreNext(model, at, n, &tape->states, &next));
+    for (; at < next; at++) {
+      PetscCall(GoToSolution(model, tape, at));
+      PetscCall(Accept(model, tape, at));
+    }
+    if (at < n) PetscCall(MpmTapeStoreKeep(model, at, &tape->states));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTapeReplay(MpmModel model, MpmTape *tape, PetscInt n)
+{
+  PetscFunctionBeginUser;
+  if (!tape->end.points) {
+    PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+    PetscCall(MpmStateCopy(&model->state, &tape->end));
+  }
+  PetscCall(GoToState(model, tape, n));
+  PetscCall(GoToSolution(model, tape, n));
+  tape->next = n + 1;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTapeDone(MpmTape *tape, PetscInt n)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmTapeStoreForget(PetscMax(n, 1), &tape->states));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTapeFinish(MpmModel model, MpmTape *tape)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  PetscCall(MpmStateReturn(&model->state, &tape->end));
+  if (tape->end.points) {
+    PetscCall(MpmRowsLoad(model->state.rows, &tape->end.values, "", PETSC_FALSE));
+    PetscCall(MpmStateReturn(&model->state, &tape->end));
+  }
   PetscCall(PetscMemzero(&tape->end, sizeof(tape->end)));
   PetscCall(MpmTapeDestroy(tape));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -98,13 +128,10 @@ PetscErrorCode MpmTapeFinish(MpmModel model, MpmTape *tape)
 PetscErrorCode MpmTapeDestroy(MpmTape *tape)
 {
   PetscFunctionBeginUser;
-  for (PetscInt n = 0; n < tape->count; n++) {
-    PetscCall(MpmStateForget(&tape->step[n].start));
-    PetscCall(PetscFree(tape->step[n].x));
-  }
+  for (PetscInt n = 0; n < tape->count; n++) PetscCall(PetscFree(tape->step[n].x));
   if (tape->end.points) PetscCall(MpmStateForget(&tape->end));
+  PetscCall(MpmTapeStoreDestroy(&tape->states));
   PetscCall(PetscFree(tape->step));
   tape->count = tape->capacity = 0;
-  tape->bytes                  = 0.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,10 +4,10 @@
 */
 #include "base/base.h"
 #include "query/model.h"
+#include "sensitivity/tape_store.h"
 
 /* One step. */
 typedef struct {
-  MpmStateKept start;    /* empty while the step is replayed */
   PetscReal    time, dt; /* s; time of the run at its end */
   PetscInt     count;    /* owned unknowns */
   PetscScalar *x;        /* the solution, in the solver's units */
@@ -16,8 +16,9 @@ typedef struct {
 typedef struct {
   PetscInt     count, capacity;
   MpmTapeStep *step;
-  MpmStateKept end;          /* the state after the last step */
-  PetscReal    bytes, limit; /* of this rank; limit: of all ranks */
+  MpmTapeStore states;
+  MpmStateKept end;  /* the state after the last step, as the first replay begins */
+  PetscInt     next; /* behind the step at whose solution the model stands; 0: none */
 } MpmTape;
 
 /* The run begins. */
@@ -26,8 +27,10 @@ PetscErrorCode MpmTapeBegin(MpmModel model, MpmTape *tape);
 PetscErrorCode MpmTapeRecord(MpmModel model, MpmTape *tape);
 /*
   The model stands at the solution of step n: space, loads and residual are those of its last evaluation. The state is
-  kept for another replay. Finish: the model returns to the run's end, and the tape is empty.
+  kept for another replay. Done: the steps from n on are not replayed any more. Finish: the model returns to the run's
+  end, and the tape is empty.
 */
 PetscErrorCode MpmTapeReplay(MpmModel model, MpmTape *tape, PetscInt n);
+PetscErrorCode MpmTapeDone(MpmTape *tape, PetscInt n);
 PetscErrorCode MpmTapeFinish(MpmModel model, MpmTape *tape);
 PetscErrorCode MpmTapeDestroy(MpmTape *tape);
