@@ -36,8 +36,9 @@ PetscErrorCode MpmTapeStoreCount(MpmModel model, PetscReal bytes, MpmTapeStore *
 PetscErrorCode MpmTapeStoreAdd(MpmModel model, PetscInt n, MpmTapeStore *store);
 /* Fails where the memory is too little for another state beside those that are there. Collective. */
 PetscErrorCode MpmTapeStoreCheck(MpmModel model, const MpmTapeStore *store);
-/* The last state that is there among the first n + 1; the model takes that up, and it stays in the store. Collective. */
-PetscInt       MpmTapeStoreLast(const MpmTapeStore *store, PetscInt n);
+/* The last state that is there among the first n + 1. */
+PetscInt MpmTapeStoreLast(const MpmTapeStore *store, PetscInt n);
+/* State n becomes the model's, and stays in the store. Collective. */
 PetscErrorCode MpmTapeStoreTake(MpmModel model, PetscInt n, MpmTapeStore *store);
 /* On the way from state k to state n: the first state behind k that is to be kept, or n. Collective. */
 PetscErrorCode MpmTapeStoreNext(MpmModel model, PetscInt k, PetscInt n, const MpmTapeStore *store, PetscInt *next);

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Derivatives of a run whose states are kept in memory, on disk, or found again: the same bits on one rank.
 
-With so little memory that it takes a state in four, the steps between are taken again from their solutions. Ranks exchange
-points in no fixed order, so that runs on several ranks repeat to rounding only.
+With so little memory that it takes a state in four, the steps between are taken again from their solutions. Ranks
+exchange points in no fixed order, so that runs on several ranks repeat to rounding only.
 
 Quick.
 """
