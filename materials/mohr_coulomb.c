@@ -377,37 +377,41 @@ static double MpmMaterialK0_mohr_coulomb(const double *parameter, const MpmLawTa
   shear is MOBILISED of the plane's strength. If a stress just inside counted as elastic, forces of F-bar would jump
   between steps, and geostatic stages would not come to rest.
 */
-static double MpmMaterialDilatancy_mohr_coulomb(const double *parameter, const MpmLawTable *table, const double *state,
-                                                double elastic[3])
+static Real MpmMaterialDilatancy_mohr_coulomb(const Real *parameter, const MpmLawTable *table, const Real *state,
+                                              Real elastic[3])
 {
-  const double *b = &state[STATE_B], xx = b[0], yy = b[1], xy = b[3];
-  const Lame    lame   = LameFromValues(parameter);
-  const double  lambda = RealValue(lame.lambda), mu = RealValue(lame.mu);
-  const double  mean = 0.5 * (xx + yy), radius = hypot(0.5 * (xx - yy), xy);
-  const double  kappa = state[STATE_KAPPA], soft = parameter[SOFTENING_STRAIN];
-  const double  part    = soft <= DBL_MAX ? fmin(kappa / soft, 1.) : 0.;
-  const double  degrees = 3.14159265358979323846 / 180.;
-  const double  c       = parameter[COHESION] + part * (parameter[COHESION_RESIDUAL] - parameter[COHESION]);
-  const double  phi     = degrees * (parameter[FRICTION] + part * (parameter[FRICTION_RESIDUAL] - parameter[FRICTION]));
-  const double  psi     = degrees * (parameter[DILATION] + part * (parameter[DILATION_RESIDUAL] - parameter[DILATION]));
-  double        e[3], trace, high, low, shear, strength;
+  const Real  *b = &state[STATE_B], xx = b[0], yy = b[1], xy = b[3];
+  const Lame   lame = LameFromParameters(parameter);
+  const Real   mean = 0.5 * (xx + yy), half = 0.5 * (xx - yy);
+  const double round  = hypot(RealValue(half), RealValue(xy));
+  const Real   radius = RealChain(half * half + xy * xy, round, round > 0. ? 0.5 / round : 0.);
+  const Real   kappa = state[STATE_KAPPA], soft = parameter[SOFTENING_STRAIN];
+  const Real   part = !(RealValue(soft) <= DBL_MAX) ? 0. : RealValue(kappa) / RealValue(soft) >= 1. ? 1. : kappa / soft;
+  const double degrees = 3.14159265358979323846 / 180.;
+  const Real   c       = parameter[COHESION] + part * (parameter[COHESION_RESIDUAL] - parameter[COHESION]);
+  const Real   phi     = degrees * (parameter[FRICTION] + part * (parameter[FRICTION_RESIDUAL] - parameter[FRICTION]));
+  const Real   psi     = degrees * (parameter[DILATION] + part * (parameter[DILATION_RESIDUAL] - parameter[DILATION]));
+  Real         e[3], trace, high, low, shear, strength;
 
   (void)table;
-  if (!(psi > 0. && mean > radius)) return 0.;
-  e[0]     = 0.5 * log(mean + radius);
-  e[1]     = 0.5 * log(mean - radius);
-  e[2]     = 0.5 * log(b[2]);
-  trace    = lambda * (e[0] + e[1] + e[2]);
-  high     = trace + 2. * mu * fmax(e[0], e[2]);
-  low      = trace + 2. * mu * fmin(e[1], e[2]);
+  if (!(RealValue(psi) > 0. && RealValue(mean) > RealValue(radius))) return 0.;
+  e[0]     = 0.5 * RealLog(mean + radius);
+  e[1]     = 0.5 * RealLog(mean - radius);
+  e[2]     = 0.5 * RealLog(b[2]);
+  trace    = lame.lambda * (e[0] + e[1] + e[2]);
+  high     = trace + 2. * lame.mu * (RealValue(e[0]) > RealValue(e[2]) ? e[0] : e[2]);
+  low      = trace + 2. * lame.mu * (RealValue(e[1]) < RealValue(e[2]) ? e[1] : e[2]);
   shear    = high - low;
-  strength = 2. * c * cos(phi) - (high + low) * sin(phi);
-  if (shear <= MOBILISED * strength || shear <= CoulombNoise(lame)) return 0.;
+  strength = 2. * c * RealCos(phi) - (high + low) * RealSin(phi);
+  if (RealValue(shear) <= MOBILISED * RealValue(strength) || RealValue(shear) <= CoulombNoise(lame)) return 0.;
   elastic[0] = xx;
   elastic[1] = yy;
   elastic[2] = xy;
-  return shear < strength ? sin(psi) * (shear / strength - MOBILISED) / (1. - MOBILISED) : sin(psi);
+  return RealValue(shear) < RealValue(strength) ? RealSin(psi) * (shear / strength - MOBILISED) / (1. - MOBILISED)
+                                                : RealSin(psi);
 }
+
+MPM_LAW_DILATANCY(mohr_coulomb, parameters, states, MpmMaterialDilatancy_mohr_coulomb)
 
 MPM_LAW_DEFINE(mohr_coulomb, parameters, states, MpmMaterialEvaluate_mohr_coulomb,
                .summary = "Mohr-Coulomb plasticity with dilation, tension cut-off and softening",
@@ -415,4 +419,4 @@ MPM_LAW_DEFINE(mohr_coulomb, parameters, states, MpmMaterialEvaluate_mohr_coulom
                .check = MpmMaterialCheck_mohr_coulomb, .stiffness = ElasticStiffness,
                .shear_modulus = ElasticShearModulus, .symmetric = MpmMaterialSymmetric_mohr_coulomb,
                .history = ElasticHistory, .k0 = MpmMaterialK0_mohr_coulomb,
-               .dilatancy = MpmMaterialDilatancy_mohr_coulomb)
+               MPM_DILATANCY(mohr_coulomb, MpmMaterialDilatancy_mohr_coulomb))

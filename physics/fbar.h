@@ -10,17 +10,18 @@
 /* Shear strain below which its direction is not told, so that g is smooth where there is none */
 #define LEAST_SHEAR 1e-8
 
-#if MPM_NORMALS == 2 && !defined(MPM_SENSITIVITY)
+#if MPM_NORMALS == 2
 /*
   g and its derivatives, from b_n in the plane, dF and J = det dF with its derivatives. With r the radius of Mohr's
   circle of b = dF b_n dF^T, sinh(gamma) = r/sqrt(det b), cosh(gamma) = tr b/(2 sqrt(det b)), and
 
     d gamma = coth(gamma) (2 dF b_n/tr b - cof dF/J)
 */
-MPM_FN Scalar ShearGrowth(const double b[3], const Tensor *dF, const Tensor *cofactor, Scalar J, Tensor *dg)
+MPM_FN Scalar ShearGrowth(const Real b[3], const Tensor *dF, const Tensor *cofactor, Scalar J, Tensor *dg)
 {
-  const double mean = 0.5 * (b[0] + b[1]), half = 0.5 * (b[0] - b[1]), square = half * half + b[2] * b[2];
-  const double det = mean * mean - square, least = LEAST_SHEAR * LEAST_SHEAR, sinh_n = sqrt(square / det + least);
+  const Real   mean = 0.5 * (b[0] + b[1]), half = 0.5 * (b[0] - b[1]), square = half * half + b[2] * b[2];
+  const double least = LEAST_SHEAR * LEAST_SHEAR;
+  const Real   det = mean * mean - square, sinh_n = RealSqrt(square / det + least);
   Scalar       xx = ScalarConstant(0.), yy = xx, xy = xx, sinh2, sine, cosine, slope;
   Tensor       Fb = *dF;
 
@@ -41,20 +42,41 @@ MPM_FN Scalar ShearGrowth(const double b[3], const Tensor *dF, const Tensor *cof
   for (int k = 0; k < GRADIENTS; k++)
     dg->a[k] =
       ScalarMul(slope, ScalarSub(ScalarScale(2., ScalarDiv(Fb.a[k], ScalarAdd(xx, yy))), ScalarDiv(cofactor->a[k], J)));
-  return ScalarShift(ScalarLog(ScalarAdd(sine, cosine)), -log(sinh_n + sqrt(1. + sinh_n * sinh_n)));
+  return ScalarShift(ScalarLog(ScalarAdd(sine, cosine)), -RealLog(sinh_n + RealSqrt(1. + sinh_n * sinh_n)));
+}
+#endif
+
+/* The law's dilatancy at the step's start, with the elastic b in the plane. */
+#if MPM_NORMALS == 2 && defined(MPM_SENSITIVITY)
+MPM_FN Real DilatancyAtStart(const KernelPoint *point, Real b[3])
+{
+  const MpmKernelPoint *values = point->values;
+  const MpmLawInput     input  = {
+         .parameter = values->material.parameter, .table = values->material.table, .state_n = values->state_n};
+  const MpmLawInput direction = {.parameter = point->direction->parameter, .state_n = point->direction->state_n};
+  double            elastic[2][3], derivative;
+  const double      beta = values->material.info->dilatancy_sensitivity(&input, &direction, elastic, &derivative);
+
+  LawJoin(3, elastic[0], elastic[1], b);
+  return RealAlong(beta, derivative);
+}
+#elif MPM_NORMALS == 2
+MPM_FN double DilatancyAtStart(const KernelPoint *point, double b[3])
+{
+  return point->material.dilatancy(point->material.parameter, point->material.table, point->state_n, b);
 }
 #endif
 
 /* beta, with g and its derivatives where it is not 0; J = det dF and its derivatives */
-MPM_FN double Dilatancy(const KernelPoint *point, const Tensor *dF, const Tensor *cofactor, Scalar J, Scalar *g,
-                        Tensor *dg)
+MPM_FN Real Dilatancy(const KernelPoint *point, const Tensor *dF, const Tensor *cofactor, Scalar J, Scalar *g,
+                      Tensor *dg)
 {
-#if MPM_NORMALS == 2 && !defined(MPM_SENSITIVITY) /* there are no derivatives of beta */
-  double b[3], beta;
+#if MPM_NORMALS == 2
+  Real b[3], beta;
 
   if (!point->material.dilatancy) return 0.;
-  beta = point->material.dilatancy(point->material.parameter, point->material.table, point->state_n, b);
-  if (beta > 0.) *g = ShearGrowth(b, dF, cofactor, J, dg);
+  beta = DilatancyAtStart(point, b);
+  if (RealValue(beta) > 0.) *g = ShearGrowth(b, dF, cofactor, J, dg);
   return beta;
 #else
   (void)point, (void)dF, (void)cofactor, (void)J, (void)g, (void)dg;
@@ -65,9 +87,9 @@ MPM_FN double Dilatancy(const KernelPoint *point, const Tensor *dF, const Tensor
 /* m, and its change with the point: dm[k] = d m / d input_k */
 MPM_FN Scalar PointMean(const KernelPoint *point, const Tensor *dF, Tensor *dm)
 {
-  Scalar J, growth;
+  Scalar J, growth = ScalarConstant(0.);
   Tensor dg;
-  double beta;
+  Real   beta;
 
   if (point->material.traits & MPM_LAW_SMALL_STRAIN) {
     const Tensor F_n = TensorFromArray(point->F_n);
@@ -80,7 +102,7 @@ MPM_FN Scalar PointMean(const KernelPoint *point, const Tensor *dF, Tensor *dm)
   *dm  = TensorCofactor(dF);
   J    = TensorCofactorDet(dF, dm);
   beta = Dilatancy(point, dF, dm, J, &growth, &dg);
-  if (beta > 0.) {
+  if (RealValue(beta) > 0.) {
     const Scalar factor = ScalarExp(ScalarScale(-beta, growth));
 
     for (int k = 0; k < GRADIENTS; k++)
@@ -118,9 +140,9 @@ MPM_FN void AddShearFlux(const KernelPoint *point, const Tensor *dF, Scalar pres
   const Tensor cofactor = TensorCofactor(dF);
   Scalar       g;
   Tensor       dg;
-  const double beta = Dilatancy(point, dF, &cofactor, TensorCofactorDet(dF, &cofactor), &g, &dg);
+  const Real   beta = Dilatancy(point, dF, &cofactor, TensorCofactorDet(dF, &cofactor), &g, &dg);
 
-  if (!(beta > 0.)) return;
+  if (!(RealValue(beta) > 0.)) return;
   for (int k = 0; k < GRADIENTS; k++)
     flux[k] = ScalarAdd(flux[k], ScalarMul(ScalarScale(beta * point->volume0, pressure), dg.a[k]));
 }

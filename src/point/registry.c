@@ -241,11 +241,16 @@ PetscBool MpmLawFind(const char *name, PetscInt kinematics, MpmForm form, MpmLaw
 
 PetscBool MpmLawFindAll(const char *name, PetscInt kinematics, MpmFunction law[], MpmLawInfo *info)
 {
+  MpmDilatancySensitivity dilatancy = NULL;
+
   for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
     if (!MpmLawFind(name, kinematics, (MpmForm)form, info)) return PETSC_FALSE;
     law[form] = info->law;
+    if (form == MPM_FORM_SENSITIVITY) dilatancy = info->dilatancy_sensitivity;
   }
-  return MpmLawFind(name, kinematics, MPM_FORM_RESIDUAL, info);
+  if (!MpmLawFind(name, kinematics, MPM_FORM_RESIDUAL, info)) return PETSC_FALSE;
+  info->dilatancy_sensitivity = dilatancy;
+  return PETSC_TRUE;
 }
 
 PetscErrorCode MpmLawNames(const char ***names)

@@ -88,9 +88,11 @@ PetscErrorCode MpmGradientCheckScene(const MpmModel model)
   PetscCall(CheckParts(model));
   MpmCheckInput(!load, "-mpm_task gradient: there are no derivatives yet with %s", load);
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
-    MpmCheckInput(!model->scene.materials->at[m].dilatancy,
-                  "-mpm_task gradient: there are no derivatives yet with F-bar where plastic flow dilates; "
-                  "-mpm_stabilization_fbar false does without");
+    MpmCheckInput(
+      !model->scene.materials->at[m].dilatancy || model->scene.materials->at[m].info.dilatancy_sensitivity,
+      "-mpm_task gradient: there are no derivatives yet with F-bar of material %s, whose law has none of its "
+      "dilation; -mpm_stabilization_fbar false does without",
+      model->scene.materials->names[m]);
   MpmCheckInput(model->disc.layout->kernel->sensitivity,
                 "-mpm_task gradient: there are no derivatives yet with -mpm_physics %s", model->scene.physics.name);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -31,9 +31,29 @@
     return 0; \
   }
 typedef MpmSensitivity MpmLawEntry;
+/*
+  MPM_LAW_DILATANCY(name, parameters, states, function) - before MPM_LAW_DEFINE(): a law's MpmDilatancy with Reals in
+  place of doubles; MPM_DILATANCY(name, function) - its members of MpmLawInfo
+*/
+#define MPM_LAW_DILATANCY(name_, parameters_, states_, function_) \
+  static double Dilatancy_##name_(const MpmLawInput *input, const MpmLawInput *direction, double elastic[2][3], \
+                                  double *derivative) \
+  { \
+    Real parameter[MPM_ROWS(parameters_)], state[MPM_ROWS(states_) * MPM_SYM], b[3] = {0., 0., 0.}, beta; \
+\
+    LawJoin(MPM_ROWS(parameters_), input->parameter, direction->parameter, parameter); \
+    LawJoin(LawStateSize(states_, MPM_ROWS(states_)), input->state_n, direction->state_n, state); \
+    beta = function_(parameter, input->table, state, b); \
+    LawSplit(3, b, elastic[0], elastic[1]); \
+    *derivative = RealDirection(beta); \
+    return RealValue(beta); \
+  }
+#define MPM_DILATANCY(name_, function_) .dilatancy_sensitivity = Dilatancy_##name_
 #else
 #define MPM_LAW_FUNCTION(name_, kernel_) kernel_
 #define MPM_LAW_ENTRY(name_, parameters_, states_, kernel_)
+#define MPM_LAW_DILATANCY(name_, parameters_, states_, function_)
+#define MPM_DILATANCY(name_, function_) .dilatancy = function_
 typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 #endif
 

@@ -107,6 +107,11 @@ typedef struct {
 typedef double (*MpmDilatancy)(const double *parameter, const MpmLawTable *table, const double *state,
                                double elastic[3]);
 
+/* MpmDilatancy and its derivative in a direction of parameters and state_n; elastic[1] has that of elastic[0]. */
+struct MpmLawInput;
+typedef double (*MpmDilatancySensitivity)(const struct MpmLawInput *input, const struct MpmLawInput *direction,
+                                          double elastic[2][3], double *derivative);
+
 /*
   A constitutive law as the registry sees it; `law` is of one compiled form. Functions may be NULL, but for `stiffness`.
 
@@ -132,6 +137,7 @@ typedef double (*MpmDilatancy)(const double *parameter, const MpmLawTable *table
              positive in compression, by the law's friction and its earlier loads: (1 - sin phi) OCR^sin phi (Jaky;
              Mayne and Kulhawy 1982). `state` has the values from the scene
   dilatancy  the law's MpmDilatancy, with which F-bar leaves to each point the dilation of its own shear
+  dilatancy_sensitivity  its derivatives; NULL: runs in which it acts have none
   shear_strength  largest shear stress, Pa, that the material carries at a state, where no pressure changes it: bound of
              the traction of a surface that sticks to the material
   energy     elastic energy stored per initial volume, J/m3, at a Kirchhoff stress, Pa, and a deformation gradient, of
@@ -155,8 +161,9 @@ typedef struct {
   double (*k0)(const double *parameter, const MpmLawTable *table, const double *state, double weight);
   double (*shear_strength)(const double *parameter, const double *state);
   double (*energy)(const double *parameter, const MpmLawTable *table, const double *tau, const double *F);
-  MpmDilatancy dilatancy;
-  MpmFunction  law;
+  MpmDilatancy            dilatancy;
+  MpmDilatancySensitivity dilatancy_sensitivity;
+  MpmFunction             law;
 } MpmLawInfo;
 
 /*
@@ -169,7 +176,7 @@ typedef enum { MPM_FORM_RESIDUAL, MPM_FORM_DIRECTION, MPM_FORM_TANGENT, MPM_FORM
   All that a law's answer depends on, or a direction in which it changes. In a direction NULL stands for what does not
   change; of a table's values all may change, x and y.
 */
-typedef struct {
+typedef struct MpmLawInput {
   const double      *parameter; /* in the order of the law's parameter table; words do not change */
   const MpmLawTable *table;
   const double      *state_n; /* history at the step's start */

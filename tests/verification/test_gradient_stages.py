@@ -1,0 +1,45 @@
+#!/usr/bin/env python3
+"""Derivatives of runs with stages, geostatic starts and dilation: both methods, ranks, and differences of whole runs.
+
+Reference numbers are central differences of runs of this program, inside the change in which they agree with one another.
+
+Quick.
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Test, example  # noqa: E402
+
+EXACT = {"snes_rtol": 1e-13, "snes_stol": 0, "mpm_quiet": None, "mpm_output_every": 0}
+FOOTING = {"mpm_grid_cells": "34,12", "mpm_time_step": 0.1, "mpm_material_soil_dilation": 25}
+
+
+def differentiate(test, scene, parameters, column, method="adjoint", ranks=1, **options):
+    """Last value of a column, and its gradient."""
+    run = test.run(scene, ranks=ranks, mpm_task="gradient", mpm_gradient_parameters=parameters, mpm_gradient_method=method,
+                   mpm_objectives="u", mpm_objective_u_column=column, mpm_objective_u_kind="value", **{**EXACT, **options})
+    summary = run.results.summary
+    return summary["objective"], np.array(summary["gradient"])
+
+
+def agree(test, label, scene, parameters, column, ranks=3, **options):
+    """The gradient by the adjoint, which the tangent gives as well, on one rank and on several."""
+    value, gradient = differentiate(test, scene, parameters, column, **options)
+    for method, count in (("tangent", 1), ("adjoint", ranks)):
+        _, other = differentiate(test, scene, parameters, column, method, count, **options)
+        test.near(f"{label}.{method}.ranks={count}", abs(other / gradient - 1.0).max(), 0.0,
+                  absolute=1e-10 if count == 1 else 1e-9)
+    return value, gradient
+
+
+with Test() as test:
+    # flow that dilates under F-bar: the dilation of a step's start depends on history and strengths
+    force, gradient = agree(test, "footing_drained", example("footing_drained"),
+                            "soil.cohesion,soil.E,soil.friction,soil.dilation", "reaction_footing_y", **FOOTING)
+    test.near("footing_drained.scaling", gradient[:2] @ (10e3, 1e9), force, relative=1e-9)
+    test.near("footing_drained.cohesion", gradient[0], -24.51505833, relative=1e-8)
+    test.near("footing_drained.friction", gradient[2], -19149.35422, relative=1e-7)
+    test.near("footing_drained.dilation", gradient[3], -207.7852, relative=2e-6)
