@@ -6,17 +6,22 @@
 #include "query/point_vector.h"
 #include "particles/points.h"
 
-PetscErrorCode MpmPointVectorCreate(const MpmPoints *points, PetscInt dim, PetscInt state_size, MpmPointVector *vector)
+PetscErrorCode MpmPointVectorCreate(const MpmPoints *points, const PetscInt size[], MpmPointVector *vector)
 {
   PetscFunctionBeginUser;
-  vector->count      = points->count;
-  vector->dim        = dim;
-  vector->F_size     = points->F_size;
-  vector->state_size = state_size;
+  vector->count = points->count;
   PetscCall(PetscMalloc1((points->count + 1), &vector->id));
   PetscCall(PetscArraycpy(vector->id, points->id, points->count));
-  PetscCall(PetscCalloc3((points->count * dim + 1), &vector->x, (points->count * points->F_size + 1), &vector->F,
-                         (points->count * state_size + 1), &vector->state));
+  for (PetscInt k = 0; k < MPM_VECTOR_FIELDS; k++) {
+    vector->size[k] = size[k];
+    PetscCall(PetscCalloc1((points->count * size[k] + 1), &vector->at[k]));
+  }
+  vector->dim        = size[MPM_VECTOR_X];
+  vector->F_size     = size[MPM_VECTOR_F];
+  vector->state_size = size[MPM_VECTOR_STATE];
+  vector->x          = vector->at[MPM_VECTOR_X];
+  vector->F          = vector->at[MPM_VECTOR_F];
+  vector->state      = vector->at[MPM_VECTOR_STATE];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -24,14 +29,17 @@ PetscErrorCode MpmPointVectorDestroy(MpmPointVector *vector)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree(vector->id));
-  PetscCall(PetscFree3(vector->x, vector->F, vector->state));
+  for (PetscInt k = 0; k < MPM_VECTOR_FIELDS; k++) PetscCall(PetscFree(vector->at[k]));
   PetscCall(PetscMemzero(vector, sizeof(*vector)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscInt MpmPointVectorSize(const MpmPointVector *vector)
 {
-  return vector->dim + vector->F_size + vector->state_size;
+  PetscInt size = 0;
+
+  for (PetscInt k = 0; k < MPM_VECTOR_FIELDS; k++) size += vector->size[k];
+  return size;
 }
 
 /* A star forest from these points to a directory of all ids. */
@@ -45,12 +53,9 @@ static PetscErrorCode PointAt(MPI_Comm comm, PetscLayout directory, const MpmPoi
 
 PetscErrorCode MpmPointVectorMove(MPI_Comm comm, const MpmPointVector *from, MpmPointVector *to)
 {
-  const PetscInt   size[]   = {to->dim, to->F_size, to->state_size};
-  const PetscReal *source[] = {from->x, from->F, from->state};
-  PetscReal       *target[] = {to->x, to->F, to->state};
-  PetscInt         largest  = -1, slots;
-  PetscLayout      directory;
-  PetscSF          leave, arrive;
+  PetscInt    largest = -1, slots;
+  PetscLayout directory;
+  PetscSF     leave, arrive;
 
   PetscFunctionBeginUser;
   for (PetscInt p = 0; p < from->count; p++) largest = PetscMax(largest, from->id[p]);
@@ -60,18 +65,19 @@ PetscErrorCode MpmPointVectorMove(MPI_Comm comm, const MpmPointVector *from, Mpm
   PetscCall(PetscLayoutGetLocalSize(directory, &slots));
   PetscCall(PointAt(comm, directory, from, &leave));
   PetscCall(PointAt(comm, directory, to, &arrive));
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(size); k++) {
-    MPI_Datatype unit;
-    PetscReal   *slot;
+  for (PetscInt k = 0; k < MPM_VECTOR_FIELDS; k++) {
+    const PetscInt size = to->size[k];
+    MPI_Datatype   unit;
+    PetscReal     *slot;
 
-    if (!size[k]) continue;
-    PetscCallMPI(MPI_Type_contiguous((PetscMPIInt)size[k], MPIU_REAL, &unit));
+    if (!size) continue;
+    PetscCallMPI(MPI_Type_contiguous((PetscMPIInt)size, MPIU_REAL, &unit));
     PetscCallMPI(MPI_Type_commit(&unit));
-    PetscCall(PetscCalloc1((slots * size[k] + 1), &slot));
-    PetscCall(PetscSFReduceBegin(leave, unit, source[k], slot, MPI_REPLACE));
-    PetscCall(PetscSFReduceEnd(leave, unit, source[k], slot, MPI_REPLACE));
-    PetscCall(PetscSFBcastBegin(arrive, unit, slot, target[k], MPI_REPLACE));
-    PetscCall(PetscSFBcastEnd(arrive, unit, slot, target[k], MPI_REPLACE));
+    PetscCall(PetscCalloc1((slots * size + 1), &slot));
+    PetscCall(PetscSFReduceBegin(leave, unit, from->at[k], slot, MPI_REPLACE));
+    PetscCall(PetscSFReduceEnd(leave, unit, from->at[k], slot, MPI_REPLACE));
+    PetscCall(PetscSFBcastBegin(arrive, unit, slot, to->at[k], MPI_REPLACE));
+    PetscCall(PetscSFBcastEnd(arrive, unit, slot, to->at[k], MPI_REPLACE));
     PetscCall(PetscFree(slot));
     PetscCallMPI(MPI_Type_free(&unit));
   }

@@ -13,8 +13,14 @@
 
 PetscErrorCode MpmStepVectorCreate(const MpmStepMap *map, MpmPointVector *vector)
 {
+  const MpmSum  *sum = map->sum;
+  const PetscInt dim = sum->space->dim, rates = sum->layout->rate.count;
+  const PetscInt size[MPM_VECTOR_FIELDS] = {
+    [MPM_VECTOR_X] = dim,       [MPM_VECTOR_F] = sum->points->F_size, [MPM_VECTOR_STATE] = sum->kept.state,
+    [MPM_VECTOR_VALUE] = rates, [MPM_VECTOR_GRADIENT] = rates * dim,  [MPM_VECTOR_OWN] = sum->kept.own};
+
   PetscFunctionBeginUser;
-  PetscCall(MpmPointVectorCreate(map->sum->points, map->sum->space->dim, map->sum->kept.state, vector));
+  PetscCall(MpmPointVectorCreate(sum->points, size, vector));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
