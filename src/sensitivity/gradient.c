@@ -83,6 +83,7 @@ PetscErrorCode MpmGradientDestroy(MpmGradient **gradient)
   PetscCall(PetscFree((*gradient)->curves));
   PetscCall(PetscFree((*gradient)->times));
   PetscCall(PetscFree((*gradient)->weights));
+  PetscCall(PetscFree((*gradient)->slopes));
   PetscCall(PetscFree(*gradient));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -149,6 +150,18 @@ PetscErrorCode MpmGradientEvaluate(MpmModel model, PetscReal *objective)
   }
   PetscCall(PetscFree(values));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmGradientSumSlopes(const MpmGradient *gradient, PetscReal values[])
+{
+  const PetscInt rows = gradient->rows, count = gradient->objectives.count;
+
+  for (PetscInt k = 0; k < gradient->parameters.count; k++) {
+    values[k] = 0.;
+    for (PetscInt o = 0; o < count; o++)
+      for (PetscInt n = 0; n < rows; n++)
+        values[k] += gradient->weights[o * rows + n] * gradient->slopes[(k * rows + n) * count + o];
+  }
 }
 
 PetscErrorCode MpmGradientFind(MpmModel model)

@@ -19,6 +19,7 @@ struct MpmGradient {
   PetscInt           rows;   /* steps so far, and the start */
   PetscReal         *times;
   PetscReal         *weights; /* derivatives of the objectives' sum by these values */
+  PetscReal         *slopes;  /* derivatives of the values by parameter k: [(k*rows + n)*objectives + o]; tangent */
 };
 
 /* Reads -mpm_task and its blocks, behind the other blocks of the scene; refuses a scene with parts that have no
@@ -34,6 +35,8 @@ PetscErrorCode MpmGradientCheckRun(const MpmModel model, MpmOutcome *outcome);
 PetscErrorCode MpmGradientBegin(MpmModel model);
 PetscErrorCode MpmGradientRecord(MpmModel model);
 PetscErrorCode MpmGradientFind(MpmModel model);
+/* Sums the slopes with the objectives' weights: the gradient of a method that fills them. */
+void MpmGradientSumSlopes(const MpmGradient *gradient, PetscReal values[]);
 /* Collect: the objectives' columns as they are now. Evaluate: the sum of the objectives of what has been collected. */
 PetscErrorCode MpmGradientCollect(MpmModel model);
 PetscErrorCode MpmGradientEvaluate(MpmModel model, PetscReal *objective);

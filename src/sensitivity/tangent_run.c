@@ -10,9 +10,8 @@
 #include "observe/results.h"
 #include "sensitivity/replayed_step.h"
 
-/* Adds the change of the objectives with a step's end; `residual` is dr at the local nodes, a rank's part. */
-static PetscErrorCode AddObjectives(MpmModel model, PetscInt n, const MpmPointVector *end, PetscReal residual[],
-                                    PetscReal *sum)
+/* The change of the objectives' columns with a step's end; `residual` is dr at the local nodes, a rank's part. */
+static PetscErrorCode FindSlopes(MpmModel model, const MpmPointVector *end, PetscReal residual[], PetscReal slopes[])
 {
   const MpmGradient *gradient = model->gradient;
 
@@ -22,19 +21,17 @@ static PetscErrorCode AddObjectives(MpmModel model, PetscInt n, const MpmPointVe
   for (PetscInt o = 0; o < gradient->objectives.count; o++) {
     const MpmObjective *objective                 = &gradient->objectives.at[o];
     const MpmColumn    *row                       = &model->results->columns.at[objective->row];
-    const PetscReal     weight                    = MpmGradientWeight(gradient, o, n);
     PetscReal           values[MPM_MAX_BLOCK + 1] = {0.};
 
-    if (weight == 0.) continue;
     PetscCall((*model->results->columns.map[objective->row]->along)(model, row, end, residual, values));
-    *sum += weight * values[objective->part];
+    slopes[o] = values[objective->part];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* One parameter in one step: `start` becomes the step's end. */
-static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt parameter, const MpmStepMap *map,
-                                MpmPointVector *vector, PetscReal *sum)
+static PetscErrorCode StepAlong(MpmModel model, PetscInt parameter, const MpmStepMap *map, MpmPointVector *vector,
+                                PetscReal slopes[])
 {
   const PetscInt   count = model->disc.space->local * model->disc.block;
   MpmPointVector   start = {0}, end = {0};
@@ -55,7 +52,7 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt parameter, 
   direction.du = du;
   PetscCall(MpmPointsAlong(map, &direction, residual, &end));
   PetscCall(MpmLoadsAlong(map, &direction, residual));
-  PetscCall(AddObjectives(model, n, &end, residual, sum));
+  PetscCall(FindSlopes(model, &end, residual, slopes));
   *vector = end;
   PetscCall(MpmPointVectorDestroy(&start));
   PetscCall(PetscFree2(residual, du));
@@ -65,21 +62,26 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt parameter, 
 PetscErrorCode MpmTangentRun(MpmModel model, PetscReal values[])
 {
   MpmGradient    *gradient = model->gradient;
-  const PetscInt  count    = gradient->parameters.count;
+  const PetscInt  count = gradient->parameters.count, objectives = gradient->objectives.count;
   MpmPointVector *vectors;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(count, &vectors));
+  PetscCall(PetscFree(gradient->slopes));
+  PetscCall(PetscCalloc1(count * gradient->rows * objectives, &gradient->slopes));
   for (PetscInt n = 0; n < gradient->tape.count; n++) {
     MpmReplayedStep step;
 
     PetscCall(MpmTapeReplay(model, &gradient->tape, n));
     PetscCall(MpmReplayedStepCreate(model, n, &step));
     PetscCall(MpmReplayedSolveSetUp(model));
-    for (PetscInt k = 0; k < count; k++) PetscCall(StepAlong(model, n, k, &step.map, &vectors[k], &values[k]));
+    for (PetscInt k = 0; k < count; k++)
+      PetscCall(
+        StepAlong(model, k, &step.map, &vectors[k], &gradient->slopes[(k * gradient->rows + n + 1) * objectives]));
     PetscCall(MpmReplayedStepDestroy(&step));
   }
   for (PetscInt k = 0; k < count; k++) PetscCall(MpmPointVectorDestroy(&vectors[k]));
   PetscCall(PetscFree(vectors));
+  MpmGradientSumSlopes(gradient, values);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
