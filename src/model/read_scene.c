@@ -167,6 +167,10 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
                           PETSC_INT_MAX, MPM_OPTIONAL, &model->results->states.every, NULL));
   PetscCall(MpmOptionsInt(&block, "history", "steps between rows of the history; the last step always has one", 1,
                           PETSC_INT_MAX, MPM_OPTIONAL, &model->results->history_every, NULL));
+  PetscCall(MpmOptionsBool(&block, "signature",
+                           "the history has a number of the discrete decisions of each step: nodes of points, cells, "
+                           "contact, conditions",
+                           &model->results->signature, NULL));
   PetscCall(MpmOutputSetFromOptions(model, &block));
   PetscCall(MpmOptionsText(options, "view",
                            "at the end of the run, what the model consists of: alone to the terminal, or ascii:FILE",

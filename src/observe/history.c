@@ -91,7 +91,7 @@ static PetscErrorCode (*const parts[])(MpmModel, MpmColumns *) = {MpmStepAddColu
                                                                   MpmMovingGridAddColumns, MpmStagesAddColumns,
                                                                   MpmReductionAddColumns,  MpmConsolidationAddColumns,
                                                                   MpmTracksAddVelocities,  MpmEnergyAddColumns,
-                                                                  MpmRelaxationAddColumns};
+                                                                  MpmRelaxationAddColumns, MpmSignatureAddColumns};
 
 /* Columns of the library's caller follow the scene's. */
 static PetscErrorCode AddCallers(MpmModel model, MpmColumns *columns)

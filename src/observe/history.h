@@ -13,6 +13,9 @@ PetscErrorCode MpmStepAddColumns(MpmModel model, MpmColumns *columns);
 PetscErrorCode MpmReactionsAddColumns(MpmModel model, MpmColumns *columns);
 PetscErrorCode MpmOutflowAddColumns(MpmModel model, MpmColumns *columns);
 
+/* Column `signature`, where -mpm_output_signature asks for it (signature.c). */
+PetscErrorCode MpmSignatureAddColumns(MpmModel model, MpmColumns *columns);
+
 /* The scene's columns of the history of a scene on a grid. */
 PetscErrorCode MpmHistoryAddColumns(MpmModel model, MpmColumns *columns);
 /* Opens the file once the columns of the scene are known, or takes it up where a run goes on; writes the options. */

@@ -119,7 +119,7 @@ struct MpmResults {
   PetscReal        dt; /* s, of the last step */
   MpmAdded         added;
   PetscReal        start;
-  PetscBool        quiet;
+  PetscBool        quiet, signature; /* signature: of each step, into the history */
   MpmTracks        tracks;
   MpmLines         lines;
   MpmCheckpoint    checkpoint;

@@ -155,10 +155,17 @@ typedef struct {
   void        *ctx;
 } MpmForceField;
 
+/* Steps of given lengths: when they end, s; `count` 0: none are given. */
+typedef struct {
+  PetscInt   count;
+  PetscReal *time;
+} MpmGivenSteps;
+
 /* Stages in their order; at least one. */
 typedef struct {
-  PetscInt  count;
-  MpmStage *at;
+  PetscInt      count;
+  MpmStage     *at;
+  MpmGivenSteps given;
 } MpmStages;
 
 /* The scene as read: constant from then on. */

@@ -11,6 +11,7 @@
 #include "query/model.h"
 #include "scene/integrator_read.h"
 #include "scene/stage_lists.h"
+#include "scene/schedule_read.h"
 #include "scene/stage_read.h"
 #include "scene/time_read.h"
 
@@ -392,6 +393,7 @@ PetscErrorCode MpmStagesRead(MpmModel model, const MpmOptions *options)
     }
     model->state.period.run_end += stage->time.end;
   }
+  PetscCall(MpmScheduleRead(options, model->state.period.run_end, &model->scene.stages));
   if (!MpmOptionsHelp()) PetscCall(CheckBodies(model));
   if (!MpmOptionsHelp()) PetscCall(CheckScheme(model));
   PetscFunctionReturn(PETSC_SUCCESS);

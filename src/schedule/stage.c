@@ -41,6 +41,7 @@
 PetscErrorCode MpmStagesDestroy(MpmModel model)
 {
   PetscFunctionBeginUser;
+  PetscCall(PetscFree(model->scene.stages.given.time));
   for (PetscInt k = 0; model->scene.stages.at && k < model->scene.stages.count; k++) {
     MpmStage *stage = &model->scene.stages.at[k];
 

@@ -158,6 +158,7 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
   if (MpmRescueServes(model)) MpmRelaxationForget(model);
   if (explicit) PetscCall(model->state.scheme.integrator->length(model, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->scene.stages.given.count) (void)MpmNextTime(model, 0., &model->state.dt.wanted);
   MpmRemediesBegin(model, &remedies);
   for (;;) {
     next = MpmNextTime(model, model->state.dt.wanted, dt);
@@ -166,7 +167,9 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
       outcome->retryable = PETSC_TRUE;
     } else PetscCall(MpmStep(model, next, *dt, remedies.again, outcome));
     if (!outcome->code) break;
-    if (!outcome->retryable) PetscFunctionReturn(PETSC_SUCCESS);
+    if (model->scene.stages.given.count)
+      PetscCall(MpmOutcomeExplain(outcome, "the schedule's step to %.9g: %s", (double)next, outcome->text));
+    if (!outcome->retryable || model->scene.stages.given.count) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmRemediesTry(model, next, *dt, &remedies, outcome));
     if (remedies.over) PetscFunctionReturn(PETSC_SUCCESS);
   }

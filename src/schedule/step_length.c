@@ -7,6 +7,8 @@
 
 /* Relative rounding errors, in units of the machine's, that are taken out of times. */
 #define ROUNDING 4
+/* Relative distance of times that are equal. */
+#define SAME_TIME 1e-12
 
 /*
   A decimal number within the rounding errors of a sum of steps. A time is then independent of the number of steps that
@@ -22,11 +24,33 @@ PetscReal MpmTimeRound(PetscReal time)
   return PetscAbsReal(decimal - time) <= ROUNDING * PETSC_MACHINE_EPSILON * PetscAbsReal(time) ? decimal : time;
 }
 
+/* The end of the first given step behind the present time. */
+static PetscReal GivenTime(const MpmModel model)
+{
+  const MpmGivenSteps *given = &model->scene.stages.given;
+  PetscReal            next;
+  PetscInt             first = 0, last = given->count - 1;
+
+  while (first < last) {
+    const PetscInt middle = (first + last) / 2;
+
+    if (given->time[middle] > model->state.time * (1. + SAME_TIME)) last = middle;
+    else first = middle + 1;
+  }
+  next = given->time[first];
+  return PetscAbsReal(next - model->state.period.end) <= SAME_TIME * next ? model->state.period.end : next;
+}
+
 PetscReal MpmNextTime(MpmModel model, PetscReal dt, PetscReal *step)
 {
   const PetscReal small  = 1e-9 * model->state.dt.nominal;
   PetscReal       target = model->state.period.end, next;
 
+  if (model->scene.stages.given.count) {
+    next  = GivenTime(model);
+    *step = next - model->state.time;
+    return next;
+  }
   if (!model->state.dt.adaptive) {
     target = MpmTimeRound(
       model->state.period.start +

@@ -30,8 +30,8 @@ PetscErrorCode MpmGradientDestroy(MpmGradient **gradient);
 PetscErrorCode MpmGradientCheckScene(const MpmModel model);
 /* Fails where the last step has used a part without derivatives. Collective. */
 PetscErrorCode MpmGradientCheckRun(const MpmModel model, MpmOutcome *outcome);
-/* Begin: before the first step, and before anything is written. Record: after each. Find: after the last one, into the results' derivatives.
-   Nothing where none are asked for. Collective. */
+/* Begin: before the first step, and before anything is written. Record: after each. Find: after the last one, into the
+   results' derivatives. Nothing where none are asked for. Collective. */
 PetscErrorCode MpmGradientBegin(MpmModel model);
 PetscErrorCode MpmGradientRecord(MpmModel model);
 PetscErrorCode MpmGradientFind(MpmModel model);
