@@ -53,6 +53,7 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
     PetscCall(MpmStageFinish(model, outcome));
     if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmStageBegin(model, model->state.stage + 1));
+    PetscCall(MpmGradientStage(model));
   }
   before = model->state.step;
   stage  = &model->scene.stages.at[model->state.stage];

@@ -156,17 +156,31 @@ static PetscErrorCode FillTrack(MpmModel model, const MpmColumn *column, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Displacements are means over shares that add up to 1. */
+/* Factor of the shares in the mean: their sum is less than 1 where points are gone. */
+static PetscErrorCode FindFactor(MpmModel model, PetscInt count, const PetscReal share[], PetscReal *factor)
+{
+  PetscReal there = 0.;
+
+  PetscFunctionBeginUser;
+  for (PetscInt p = 0; p < count; p++) there += share[p];
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &there, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  *factor = there > 0. && there < 1. - ROUNDING ? 1. / there : 1.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode TrackAlong(MpmModel model, const MpmColumn *column, const MpmPointVector *end,
                                  const PetscReal residual[], PetscReal values[])
 {
-  PetscReal *share;
+  const PetscReal *origin = MpmPointNumbersIf(end, MPM_VECTOR_ORIGIN, 0);
+  PetscReal       *share, factor;
 
   PetscFunctionBeginUser;
   (void)residual;
   for (PetscInt a = 0; a < end->dim; a++) values[a] = 0.;
   PetscCall(MpmParticlesGetField(model->state.particles, model->results->tracks.at[column->index].share_field, &share));
-  for (PetscInt k = 0; k < end->count * end->dim; k++) values[k % end->dim] += share[k / end->dim] * end->x[k];
+  PetscCall(FindFactor(model, end->count, share, &factor));
+  for (PetscInt k = 0; k < end->count * end->dim; k++)
+    values[k % end->dim] += factor * share[k / end->dim] * (end->x[k] - (origin ? origin[k] : 0.));
   PetscCall(MpmParticlesRestoreField(model->state.particles, &share));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)end->dim, MPIU_REAL, MPIU_SUM, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -175,12 +189,18 @@ static PetscErrorCode TrackAlong(MpmModel model, const MpmColumn *column, const 
 static PetscErrorCode TrackPull(MpmModel model, const MpmColumn *column, const PetscReal weight[], MpmPointVector *end,
                                 PetscReal lam[])
 {
-  PetscReal *share;
+  PetscReal *share, *origin = MpmPointNumbersIf(end, MPM_VECTOR_ORIGIN, 0), factor;
 
   PetscFunctionBeginUser;
   (void)lam;
   PetscCall(MpmParticlesGetField(model->state.particles, model->results->tracks.at[column->index].share_field, &share));
-  for (PetscInt k = 0; k < end->count * end->dim; k++) end->x[k] += share[k / end->dim] * weight[k % end->dim];
+  PetscCall(FindFactor(model, end->count, share, &factor));
+  for (PetscInt k = 0; k < end->count * end->dim; k++) {
+    const PetscReal by = factor * share[k / end->dim] * weight[k % end->dim];
+
+    end->x[k] += by;
+    if (origin) origin[k] -= by;
+  }
   PetscCall(MpmParticlesRestoreField(model->state.particles, &share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

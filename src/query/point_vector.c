@@ -6,15 +6,15 @@
 #include "query/point_vector.h"
 #include "particles/points.h"
 
-PetscErrorCode MpmPointVectorCreate(const MpmPoints *points, const PetscInt size[], MpmPointVector *vector)
+static PetscErrorCode Create(PetscInt count, const PetscInt id[], const PetscInt size[], MpmPointVector *vector)
 {
   PetscFunctionBeginUser;
-  vector->count = points->count;
-  PetscCall(PetscMalloc1((points->count + 1), &vector->id));
-  PetscCall(PetscArraycpy(vector->id, points->id, points->count));
+  vector->count = count;
+  PetscCall(PetscMalloc1((count + 1), &vector->id));
+  PetscCall(PetscArraycpy(vector->id, id, count));
   for (PetscInt k = 0; k < MPM_VECTOR_FIELDS; k++) {
     vector->size[k] = size[k];
-    PetscCall(PetscCalloc1((points->count * size[k] + 1), &vector->at[k]));
+    PetscCall(PetscCalloc1((count * size[k] + 1), &vector->at[k]));
   }
   vector->dim        = size[MPM_VECTOR_X];
   vector->F_size     = size[MPM_VECTOR_F];
@@ -22,6 +22,22 @@ PetscErrorCode MpmPointVectorCreate(const MpmPoints *points, const PetscInt size
   vector->x          = vector->at[MPM_VECTOR_X];
   vector->F          = vector->at[MPM_VECTOR_F];
   vector->state      = vector->at[MPM_VECTOR_STATE];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPointVectorCreate(const MpmPoints *points, const PetscInt size[], MpmPointVector *vector)
+{
+  PetscFunctionBeginUser;
+  PetscCall(Create(points->count, points->id, size, vector));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPointVectorCopy(const MpmPointVector *from, PetscBool numbers, MpmPointVector *to)
+{
+  PetscFunctionBeginUser;
+  PetscCall(Create(from->count, from->id, from->size, to));
+  for (PetscInt k = 0; numbers && k < MPM_VECTOR_FIELDS; k++)
+    PetscCall(PetscArraycpy(to->at[k], from->at[k], from->count * from->size[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -40,6 +56,12 @@ PetscInt MpmPointVectorSize(const MpmPointVector *vector)
 
   for (PetscInt k = 0; k < MPM_VECTOR_FIELDS; k++) size += vector->size[k];
   return size;
+}
+
+void MpmPointVectorAddConstant(const MpmPointVector *from, MpmPointVector *to)
+{
+  for (PetscInt k = MPM_VECTOR_ORIGIN; k < MPM_VECTOR_FIELDS; k++)
+    for (PetscInt i = 0; i < from->count * from->size[k]; i++) to->at[k][i] += from->at[k][i];
 }
 
 /* A star forest from these points to a directory of all ids. */

@@ -53,6 +53,8 @@ static PetscErrorCode StepPull(MpmModel model, PetscInt n, const MpmStepMap *map
   for (PetscInt k = 0; k < count; k++) lam[k] += solved[k];
   PetscCall(MpmPointsPullStart(map, &end, lam, &start, values));
   PetscCall(MpmLoadsPullStart(map, lam, &start, values));
+  MpmPointVectorAddConstant(&end, &start);
+  MpmStagePull(model, n, map, values, &start);
   *vector = start;
   PetscCall(MpmPointVectorDestroy(&end));
   PetscCall(PetscFree3(lam, ubar, solved));
@@ -76,6 +78,7 @@ PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[])
     PetscCall(MpmReplayedStepDestroy(&step));
     if (!gradient->checks) PetscCall(MpmTapeDone(&gradient->tape, n));
   }
+  PetscCall(MpmStartPull(model, &vector, values));
   PetscCall(MpmPointVectorDestroy(&vector));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -47,7 +47,7 @@ static void CellBegin(const MpmStepMap *map, const MpmCell *of, Cell *cell)
 
 /* A point's own m and volume, with their changes along a direction. */
 static PetscErrorCode TakeMean(const MpmStepMap *map, PetscInt p, const MpmKernelPoint *point,
-                               const MpmKernelDirection *direction, const MpmPointWork *work, CellPoint *at, Cell *cell)
+                               const MpmKernelDirection *direction, const MpmPointWork *work, CellPoint *at)
 {
   const MpmPoints *points = map->sum->points;
   PetscReal        cofactor[MPM_F_MAX];
@@ -59,8 +59,12 @@ static PetscErrorCode TakeMean(const MpmStepMap *map, PetscInt p, const MpmKerne
   at->volume[1] = 0.;
   for (PetscInt k = 0; direction->F_n && k < points->F_size; k++)
     at->volume[1] += points->volume0[p] * cofactor[k] * direction->F_n[k];
-  for (int k = 0; k < 2; k++) cell->volume[k] += at->volume[k];
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void AddVolume(const CellPoint *at, Cell *cell)
+{
+  for (int k = 0; k < 2; k++) cell->volume[k] += at->volume[k];
 }
 
 /* Shares, and the mean. */
@@ -130,11 +134,15 @@ static PetscErrorCode PassAlong(const MpmStepMap *map, const MpmCell *of, const 
       Entered        entered;
 
       PetscCall(EnterAlong(map, group, p, direction, work, &entered));
-      if (!second) PetscCall(TakeMean(map, p, &entered.point, &entered.direction, work, at, cell));
-      else {
+      if (!second) {
+        PetscCall(TakeMean(map, p, &entered.point, &entered.direction, work, at));
+        at->volume[1] += at->volume[0] * MpmPointNumber(direction->start, MPM_VECTOR_VOLUME, p);
+        AddVolume(at, cell);
+      } else {
         work->input[N]    = cell->mean[0];
         entered.dinput[N] = cell->mean[1];
         PetscCall(MpmPointDifferentiate(map, &entered.point, &entered.direction, work));
+        MpmPointVolumeAlong(direction->start, p, work);
         PetscCall(PetscArraycpy(at->flux[0], work->flux, N + 1));
         PetscCall(PetscArraycpy(at->flux[1], work->dflux, N + 1));
         for (int k = 0; k < 2; k++) cell->flux[k] += at->flux[k][N];
@@ -223,7 +231,8 @@ static PetscErrorCode PassPull(const MpmStepMap *map, const MpmCell *of, const M
 
       MpmPointEnter(map, p, PETSC_TRUE, work, &point);
       if (!second) {
-        PetscCall(TakeMean(map, p, &point, &(MpmKernelDirection){0}, work, at, cell));
+        PetscCall(TakeMean(map, p, &point, &(MpmKernelDirection){0}, work, at));
+        AddVolume(at, cell);
         for (PetscInt k = 0; k < N; k++) cell->along += at->volume[0] * at->dm[0][k] * work->other_input[k];
         continue;
       }
@@ -292,16 +301,17 @@ PetscErrorCode MpmCellsPullSolution(const MpmStepMap *map, const MpmPointVector 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* dL by F_n through the point's share; `own` is A m_q - f dm_q . K_q, `all` its mean. */
+/* dL by F_n and volume0 through the point's share; `own` is A m_q - f dm_q . K_q, `all` its mean. */
 static void PullShare(const MpmStepMap *map, PetscInt p, const Cell *cell, PetscReal own, PetscReal all,
                       MpmPointVector *start)
 {
   const MpmPoints *points = map->sum->points;
-  PetscReal        cofactor[MPM_F_MAX];
+  const PetscReal  by     = (own - all) / cell->volume[0] * points->volume0[p];
+  PetscReal        cofactor[MPM_F_MAX], J;
 
-  (void)MpmCofactors(points->F_size, MpmPointF(points, p), cofactor);
-  for (PetscInt k = 0; k < points->F_size; k++)
-    start->F[p * points->F_size + k] += (own - all) / cell->volume[0] * points->volume0[p] * cofactor[k];
+  J = MpmCofactors(points->F_size, MpmPointF(points, p), cofactor);
+  for (PetscInt k = 0; k < points->F_size; k++) start->F[p * points->F_size + k] += by * cofactor[k];
+  if (start->size[MPM_VECTOR_VOLUME]) start->at[MPM_VECTOR_VOLUME][p] += by * J;
 }
 
 /* Bars of a step's end, and those of its start, which are added to. */
@@ -332,6 +342,8 @@ static PetscErrorCode PullPoint(const MpmStepMap *map, const MpmGroup *group, Pe
     own -= cell->flux[0] * at->dm[0][k] * work->other_input[k];
     work->flux[k] = at->flux[0][k] + cell->flux[0] * at->share[0] * at->dm[0][k];
   }
+  MpmPointPullVolume(at->flux[0], p, work, start);
+  if (start->size[MPM_VECTOR_VOLUME]) start->at[MPM_VECTOR_VOLUME][p] -= at->flux[0][N] * cell->along;
   PullShare(map, p, cell, own, cell->by_mean * cell->mean[0] - cell->flux[0] * cell->along, start);
   PetscCall(MpmPointPullWeights(map, group, p, pull.end, by_input, start, work));
   PetscFunctionReturn(PETSC_SUCCESS);

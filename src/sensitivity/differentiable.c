@@ -5,6 +5,7 @@
 #include "point/material.h"
 #include "grid/grid.h"
 #include "particles/body.h"
+#include "particles/particles.h"
 #include "space/space.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
@@ -48,17 +49,72 @@ static PetscBool AnyStressed(const MpmBodies *bodies)
   return PETSC_FALSE;
 }
 
+PetscBool MpmGradientStartDiffers(const MpmModel model)
+{
+  return (PetscBool)(MpmStagesAreGeostatic(model) || AnyStressed(model->scene.bodies) ||
+                     model->state.particles->has_mass);
+}
+
+/* True where any stage changes materials; takes up the geostatic state after others; has bodies join with a state that
+   is not that of rest. */
+static PetscBool AnyChange(const MpmScene *scene)
+{
+  for (PetscInt k = 0; k < scene->stages.count; k++)
+    for (PetscInt b = 0; scene->stages.at[k].name && b < scene->bodies->count; b++)
+      if (scene->stages.at[k].material[b] >= 0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static PetscBool AnyLateRest(const MpmScene *scene)
+{
+  for (PetscInt k = 1; k < scene->stages.count; k++)
+    if (scene->stages.at[k].geostatic.method != MPM_GEOSTATIC_NONE) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static PetscBool AnyStressedLater(const MpmScene *scene)
+{
+  for (PetscInt k = 1; k < scene->stages.count; k++)
+    for (PetscInt b = 0; b < scene->bodies->count; b++)
+      if (scene->stages.at[k].adds[b] &&
+          (MpmBodyIsImported(scene->bodies->at[b]) || MpmBodyIsStressed(scene->bodies->at[b])))
+        return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* True where any stage has inertia, or steps of two stages. */
+static PetscBool AnyMotion(const MpmScene *scene)
+{
+  for (PetscInt k = 0; k < scene->stages.count; k++)
+    if (scene->stages.at[k].time.motion.type != MPM_QUASISTATIC) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static PetscBool AnySecond(const MpmScene *scene)
+{
+  for (PetscInt k = 0; k < scene->stages.count; k++)
+    if (scene->stages.at[k].time.second) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static PetscBool AnyRescue(const MpmScene *scene)
+{
+  for (PetscInt k = 0; k < scene->stages.count; k++)
+    if (scene->stages.at[k].time.rescue) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 static PetscErrorCode CheckParts(const MpmModel model)
 {
   const MpmScene *scene   = &model->scene;
-  const MpmStage *stage   = &scene->stages.at[0];
   const Part      parts[] = {
-         {"more than one stage", (PetscBool)(scene->stages.count > 1)},
-         {"inertia (-mpm_time_integrator)", (PetscBool)(stage->time.motion.type != MPM_QUASISTATIC)},
-         {"a geostatic stage", MpmStagesAreGeostatic(model)},
+         {"inertia (-mpm_time_integrator)", AnyMotion(scene)},
+         {"a geostatic stage behind others", AnyLateRest(scene)},
+         {"a change of material", AnyChange(scene)},
+         {"bodies with initial stress, or from files, that join later", AnyStressedLater(scene)},
          {"a reduction of strength", MpmStagesReduce(model)},
-         {"a relaxation", (PetscBool)(MpmStagesRelax(model) || stage->time.rescue)},
-         {"steps of two stages (-mpm_time_scheme)", stage->time.second},
+         {"a relaxation", (PetscBool)(MpmStagesRelax(model) || AnyRescue(scene))},
+         {"steps of two stages (-mpm_time_scheme)", AnySecond(scene)},
          {"axial symmetry", (PetscBool)(scene->deformation.kinematics == MPM_AXISYMMETRY)},
          {"boundaries", (PetscBool)(scene->boundaries->count > 0)},
          {"contacts", (PetscBool)(scene->pairs->count > 0)},
@@ -66,7 +122,6 @@ static PetscErrorCode CheckParts(const MpmModel model)
          {"surfaces", (PetscBool)(scene->surfaces->count > 0)},
          {"terms from plugins", (PetscBool)(scene->terms->count > 0)},
          {"conditions along a normal, and absorbing ones", AnyInclined(scene->bcs)},
-         {"initial stresses and bodies from files", AnyStressed(scene->bodies)},
          {"a body force of the caller", (PetscBool)(scene->body_force.function != NULL)},
          {"the ghost penalty (-mpm_stabilization_ghost)", (PetscBool)(model->disc.matrix.ghost > 0.)},
          {"the penalty on all faces (-mpm_stabilization_interior)", (PetscBool)(scene->stabilization.interior > 0.)},

@@ -77,13 +77,17 @@ PetscErrorCode MpmGradientDestroy(MpmGradient **gradient)
 {
   PetscFunctionBeginUser;
   if (!*gradient) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSceneParametersDestroy(&(*gradient)->parameters));
   PetscCall(MpmObjectivesDestroy(&(*gradient)->objectives));
   PetscCall(MpmTapeDestroy(&(*gradient)->tape));
   PetscCall(PetscFree((*gradient)->curves));
   PetscCall(PetscFree((*gradient)->times));
   PetscCall(PetscFree((*gradient)->weights));
   PetscCall(PetscFree((*gradient)->slopes));
+  for (PetscInt k = 0; (*gradient)->start.at && k < (*gradient)->parameters.count; k++)
+    PetscCall(MpmPointVectorDestroy(&(*gradient)->start.at[k]));
+  PetscCall(PetscFree((*gradient)->start.at));
+  PetscCall(PetscFree((*gradient)->start.slopes));
+  PetscCall(MpmSceneParametersDestroy(&(*gradient)->parameters));
   PetscCall(PetscFree(*gradient));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -115,18 +119,38 @@ PetscErrorCode MpmGradientBegin(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
+  model->gradient->start.rows    = 1;
+  model->gradient->start.differs = MpmGradientStartDiffers(model);
+  MpmCheckInput(
+    !model->gradient->start.differs,
+    "-mpm_task gradient: there are no derivatives yet with a geostatic stage, initial stresses and bodies from "
+    "files");
   PetscCall(MpmTapeBegin(model, &model->gradient->tape));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmGradientRecord(MpmModel model)
 {
+  MpmGradient *gradient = model->gradient;
+
   PetscFunctionBeginUser;
-  if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!gradient) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGradientCheckRun(model, &model->caller.outcome));
   if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGradientCollect(model));
-  PetscCall(MpmTapeRecord(model, &model->gradient->tape));
+  if (model->scene.stages.at[model->state.stage].geostatic.method == MPM_GEOSTATIC_NONE)
+    PetscCall(MpmTapeRecord(model, gradient->rows - 1, &gradient->tape));
+  else {
+    gradient->start.rows = gradient->rows;
+    PetscCall(MpmTapeRestart(model, &gradient->tape));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGradientStage(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  if (model->gradient) PetscCall(MpmTapeRestart(model, &model->gradient->tape));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -171,7 +195,7 @@ PetscErrorCode MpmGradientFind(MpmModel model)
   const PetscInt  count    = gradient ? gradient->parameters.count : 0;
 
   PetscFunctionBeginUser;
-  if (!gradient || !gradient->tape.count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!gradient || gradient->rows < 2) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGradientEvaluate(model, &found->objective));
   PetscCall(PetscMalloc1(count, &found->names));
   PetscCall(PetscCalloc1(count, &found->gradient));

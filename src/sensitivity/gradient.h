@@ -3,11 +3,23 @@
   Derivatives of a whole run: the gradient of objectives by parameters of the scene.
 */
 #include "query/model.h"
+#include "query/point_vector.h"
 #include "sensitivity/objective.h"
 #include "sensitivity/parameters.h"
 #include "sensitivity/tape.h"
 
 typedef enum { MPM_GRADIENT_ADJOINT, MPM_GRADIENT_TANGENT } MpmGradientMethod;
+
+/*
+  State from which steps are differentiated, and its derivatives: that after the scene's set-up, or after the geostatic
+  stage that comes first. `rows` of the curves, up to that state, are not of steps.
+*/
+typedef struct {
+  PetscBool       differs; /* depends on parameters */
+  PetscInt        rows;
+  MpmPointVector *at;     /* by parameter; NULL: they are 0 */
+  PetscReal      *slopes; /* [(k*rows + n)*objectives + o], as those of the gradient */
+} MpmGradientStart;
 
 struct MpmGradient {
   MpmGradientMethod  method;
@@ -15,6 +27,7 @@ struct MpmGradient {
   MpmSceneParameters parameters;
   MpmObjectives      objectives;
   MpmTape            tape;
+  MpmGradientStart   start;
   PetscReal         *curves; /* values of each objective's column: by step, its start first */
   PetscInt           rows;   /* steps so far, and the start */
   PetscReal         *times;
@@ -30,10 +43,14 @@ PetscErrorCode MpmGradientDestroy(MpmGradient **gradient);
 PetscErrorCode MpmGradientCheckScene(const MpmModel model);
 /* Fails where the last step has used a part without derivatives. Collective. */
 PetscErrorCode MpmGradientCheckRun(const MpmModel model, MpmOutcome *outcome);
+/* True where the points' state at the first step depends on parameters. */
+PetscBool MpmGradientStartDiffers(const MpmModel model);
 /* Begin: before the first step, and before anything is written. Record: after each. Find: after the last one, into the
    results' derivatives. Nothing where none are asked for. Collective. */
 PetscErrorCode MpmGradientBegin(MpmModel model);
 PetscErrorCode MpmGradientRecord(MpmModel model);
+/* A stage has begun. */
+PetscErrorCode MpmGradientStage(MpmModel model);
 PetscErrorCode MpmGradientFind(MpmModel model);
 /* Sums the slopes with the objectives' weights: the gradient of a method that fills them. */
 void MpmGradientSumSlopes(const MpmGradient *gradient, PetscReal values[]);

@@ -76,6 +76,12 @@ static PetscReal Amount(const Work *work, PetscInt p)
   return work->share ? work->share[p] : MpmPointMass(sum->points, sum->materials, p);
 }
 
+/* The relative change of the amount with the step's start: of a mass of the point's own, or one by its volume. */
+static MpmVectorField AmountField(const Work *work)
+{
+  return work->share ? MPM_VECTOR_FIELDS : work->map->sum->points->mass ? MPM_VECTOR_MASS : MPM_VECTOR_VOLUME;
+}
+
 /* The change of factor times amount with a parameter. */
 static PetscReal AmountBy(const Work *work, PetscInt k, PetscInt p)
 {
@@ -84,7 +90,7 @@ static PetscReal AmountBy(const Work *work, PetscInt k, PetscInt p)
 
   if (parameter->kind == MPM_OF_LOAD)
     return work->load == &work->map->loads[parameter->index] ? work->factor / parameter->value * Amount(work, p) : 0.;
-  if (!parameter->density || work->share || points->material[p] != parameter->index) return 0.;
+  if (!parameter->density || work->share || points->mass || points->material[p] != parameter->index) return 0.;
   return work->factor * points->volume0[p];
 }
 
@@ -128,15 +134,17 @@ static PetscErrorCode PointAlong(Work *work, const MpmStepDirection *direction, 
   const PetscInt   p = work->at.point, dim = sum->space->dim, size = sum->points->F_size, free = FreeAxis(work);
   const PetscReal *dx = &direction->start->x[p * dim], *dF = &direction->start->F[p * size];
   const PetscReal  amount = work->factor * Amount(work, p);
-  PetscReal        half[MPM_MAX_DIM];
+  const PetscReal *length = MpmPointNumbersIf(direction->start, MPM_VECTOR_LENGTH, p);
+  PetscReal        half[MPM_MAX_DIM], change = 0.;
 
   PetscFunctionBeginUser;
-  if (direction->parameter >= 0)
-    MpmWeightsAdd(MpmBasisWeights(&work->basis), work->at.group, sum, -AmountBy(work, direction->parameter, p),
-                  work->load->value, residual);
-  MpmPointSlopesAlong(&work->slopes, size, dx, dF, half);
+  if (AmountField(work) != MPM_VECTOR_FIELDS) change = amount * MpmPointNumber(direction->start, AmountField(work), p);
+  if (direction->parameter >= 0) change += AmountBy(work, direction->parameter, p);
+  if (change != 0.)
+    MpmWeightsAdd(MpmBasisWeights(&work->basis), work->at.group, sum, -change, work->load->value, residual);
+  MpmPointSlopesAlong(&work->slopes, size, dx, dF, length, half);
   if (free >= 0) {
-    half[free] = 0.;
+    half[free] = length ? work->slopes.stretched[free] * length[free] : 0.;
     for (PetscInt k = 0; k < size; k++) half[free] += work->slopes.stretch_by_F[free][k] * dF[k];
   }
   for (PetscInt k = 0; k < MPM_BY_COUNT * dim; k++) {
@@ -189,11 +197,13 @@ static PetscErrorCode PointPull(Work *work, const PetscReal lam[], MpmPointVecto
 {
   const PetscInt  p = work->at.point, dim = start->dim, size = start->F_size, free = FreeAxis(work);
   const PetscReal amount            = work->factor * Amount(work, p);
-  PetscReal       half[MPM_MAX_DIM] = {0.}, value;
+  PetscReal       half[MPM_MAX_DIM] = {0.}, value, *length = MpmPointNumbersIf(start, MPM_VECTOR_LENGTH, p);
 
   PetscFunctionBeginUser;
   value = PowerOf(work, &work->basis, lam);
   for (PetscInt k = 0; k < work->map->parameters->count; k++) gradient[k] += AmountBy(work, k, p) * value;
+  if (AmountField(work) != MPM_VECTOR_FIELDS && start->size[AmountField(work)])
+    start->at[AmountField(work)][p] += amount * value;
   for (PetscInt k = 0; k < MPM_BY_COUNT * dim; k++) {
     const PetscInt a = k % dim;
 
@@ -204,9 +214,10 @@ static PetscErrorCode PointPull(Work *work, const PetscReal lam[], MpmPointVecto
   }
   if (free >= 0) {
     for (PetscInt k = 0; k < size; k++) start->F[p * size + k] += work->slopes.stretch_by_F[free][k] * half[free];
+    if (length) length[free] += work->slopes.stretched[free] * half[free];
     half[free] = 0.;
   }
-  MpmPointSlopesPull(&work->slopes, size, half, &start->x[p * dim], &start->F[p * size]);
+  MpmPointSlopesPull(&work->slopes, size, half, &start->x[p * dim], &start->F[p * size], length);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

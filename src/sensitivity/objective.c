@@ -3,7 +3,6 @@
 */
 #include "base/columns.h"
 #include "options/options.h"
-#include "query/model.h"
 #include "sensitivity/objective.h"
 
 /* A data file: columns time and the objective's own, or two columns. */

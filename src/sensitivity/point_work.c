@@ -65,6 +65,19 @@ PetscErrorCode MpmPointDifferentiate(const MpmStepMap *map, const MpmKernelPoint
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmPointVolumeAlong(const MpmPointVector *start, PetscInt p, MpmPointWork *work)
+{
+  const PetscReal change = MpmPointNumber(start, MPM_VECTOR_VOLUME, p);
+
+  for (PetscInt k = 0; change != 0. && k < work->known.inputs + 1; k++) work->dflux[k] += change * work->flux[k];
+}
+
+void MpmPointPullVolume(const PetscReal flux[], PetscInt p, const MpmPointWork *work, MpmPointVector *start)
+{
+  for (PetscInt k = 0; start->size[MPM_VECTOR_VOLUME] && k < work->known.inputs; k++)
+    start->at[MPM_VECTOR_VOLUME][p] -= flux[k] * work->other_input[k];
+}
+
 PetscBool MpmPointHasParameter(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscInt p)
 {
   return (PetscBool)(parameter->kind == MPM_OF_LAW && parameter->index == map->sum->points->material[p]);
@@ -88,7 +101,8 @@ PetscErrorCode MpmPointWeightsAlong(const MpmStepMap *map, const MpmGroup *group
 
   PetscFunctionBeginUser;
   PetscCall(MpmPointSlopesFind(map->rules, map->sum->points, group, p, &work->slopes));
-  MpmPointSlopesAlong(&work->slopes, map->sum->points->F_size, dx, dF, half);
+  MpmPointSlopesAlong(&work->slopes, map->sum->points->F_size, dx, dF, MpmPointNumbersIf(start, MPM_VECTOR_LENGTH, p),
+                      half);
   MpmBasisZero(&work->slope, dim, n);
   for (PetscInt a = 0; a < dim; a++) {
     MpmPointSlopesBasis(&work->slopes, group, MPM_BY_PLACE, a, part);
@@ -212,6 +226,7 @@ PetscErrorCode MpmPointPullWeights(const MpmStepMap *map, const MpmGroup *group,
     by[k / dim][a] = sum;
   }
   for (PetscInt a = 0; a < dim; a++) start->x[p * dim + a] += end->x[p * dim + a] + by[MPM_BY_PLACE][a];
-  MpmPointSlopesPull(&work->slopes, start->F_size, by[MPM_BY_LENGTH], &start->x[p * dim], &start->F[p * start->F_size]);
+  MpmPointSlopesPull(&work->slopes, start->F_size, by[MPM_BY_LENGTH], &start->x[p * dim], &start->F[p * start->F_size],
+                     MpmPointNumbersIf(start, MPM_VECTOR_LENGTH, p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -27,6 +27,10 @@ void MpmPointEnter(const MpmStepMap *map, PetscInt p, PetscBool other, MpmPointW
 /* The kernel's answer at work->input and its derivative in a direction. */
 PetscErrorCode MpmPointDifferentiate(const MpmStepMap *map, const MpmKernelPoint *point,
                                      const MpmKernelDirection *direction, MpmPointWork *work);
+/* Adds the change of the kernel's fluxes with the point's initial volume, to which they are proportional. */
+void MpmPointVolumeAlong(const MpmPointVector *start, PetscInt p, MpmPointWork *work);
+/* The change of L with it through the point's own fluxes, added to `start`. */
+void MpmPointPullVolume(const PetscReal flux[], PetscInt p, const MpmPointWork *work, MpmPointVector *start);
 /* True where a parameter acts on the law of point p. */
 PetscBool MpmPointHasParameter(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscInt p);
 /* The change of a point's weights and gradients with its place and F, into work->slope. */

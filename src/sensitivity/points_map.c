@@ -15,9 +15,17 @@ PetscErrorCode MpmStepVectorCreate(const MpmStepMap *map, MpmPointVector *vector
 {
   const MpmSum  *sum = map->sum;
   const PetscInt dim = sum->space->dim, rates = sum->layout->rate.count;
-  const PetscInt size[MPM_VECTOR_FIELDS] = {
-    [MPM_VECTOR_X] = dim,       [MPM_VECTOR_F] = sum->points->F_size, [MPM_VECTOR_STATE] = sum->kept.state,
-    [MPM_VECTOR_VALUE] = rates, [MPM_VECTOR_GRADIENT] = rates * dim,  [MPM_VECTOR_OWN] = sum->kept.own};
+  const PetscInt size[MPM_VECTOR_FIELDS] = {[MPM_VECTOR_X]        = dim,
+                                            [MPM_VECTOR_F]        = sum->points->F_size,
+                                            [MPM_VECTOR_STATE]    = sum->kept.state,
+                                            [MPM_VECTOR_VALUE]    = rates,
+                                            [MPM_VECTOR_GRADIENT] = rates * dim,
+                                            [MPM_VECTOR_OWN]      = sum->kept.own,
+                                            [MPM_VECTOR_ORIGIN]   = map->constants.resets ? dim : 0,
+                                            [MPM_VECTOR_VOLUME]   = map->constants.shapes ? 1 : 0,
+                                            [MPM_VECTOR_LENGTH] =
+                                              map->constants.shapes && sum->points->domain.half_length ? dim : 0,
+                                            [MPM_VECTOR_MASS] = sum->points->mass ? 1 : 0};
 
   PetscFunctionBeginUser;
   PetscCall(MpmPointVectorCreate(sum->points, size, vector));
@@ -50,6 +58,7 @@ static PetscErrorCode PointAlong(const MpmStepMap *map, const MpmGroup *group, P
                                                         .F_n       = dF},
                                   work));
   if (acts) work->parameter[parameter->place] = 0.;
+  MpmPointVolumeAlong(start, p, work);
   MpmSumAddFlux(work->known, sum->layout, &work->slope, work->flux, work->force);
   MpmSumAddFlux(work->known, sum->layout, &work->basis, work->dflux, work->force);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -136,6 +145,7 @@ PetscErrorCode MpmPointsPullStart(const MpmStepMap *map, const MpmPointVector *e
       MpmPointEnter(map, p, PETSC_TRUE, &work, &point);
       PetscCall(MpmPointPullInputs(map, p, &point, &pull, by_input, &work));
       PetscCall(MpmPointPullKernel(map, p, &point, &pull, start, gradient, &work));
+      MpmPointPullVolume(work.flux, p, &work, start);
       PetscCall(MpmPointPullWeights(map, group, p, end, by_input, start, &work));
     }
   }

@@ -11,6 +11,13 @@
 
 #define RTOL 1e-12 /* of solves with the Jacobian, unless -gradient_ksp_rtol has another */
 
+static PetscBool AnyResets(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->scene.stages.at[k].reset) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep *step)
 {
   const MpmDiscretization *disc  = &model->disc;
@@ -28,6 +35,7 @@ PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep
                            .particles  = model->state.particles,
                            .parameters = &model->gradient->parameters,
                            .u          = step->u,
+                           .constants  = {AnyResets(model), model->gradient->start.differs},
                            .load_count = loads,
                            .loads      = model->scene.loads->at,
                            .factors    = step->factors};

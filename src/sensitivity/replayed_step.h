@@ -12,6 +12,18 @@
 PetscErrorCode MpmTangentRun(MpmModel model, PetscReal values[]);
 PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[]);
 
+/*
+  Changes between the end of step n - 1 and the start of step n, where a stage begins (stage_map.c): Along for the
+  change of the state, Pull for derivatives by it. The vectors are over the points at the step's start.
+*/
+void MpmStageAlong(const MpmModel model, PetscInt n, const MpmStepMap *map, PetscInt parameter, MpmPointVector *vector);
+void MpmStagePull(const MpmModel model, PetscInt n, const MpmStepMap *map, PetscReal gradient[],
+                  MpmPointVector *vector);
+/* The run's start in the gradient: slopes of the rows before the first step, and derivatives by the adjoint there, this
+   rank's part. */
+void           MpmStartSlopes(const MpmGradient *gradient, PetscReal slopes[]);
+PetscErrorCode MpmStartPull(MpmModel model, const MpmPointVector *vector, PetscReal values[]);
+
 /* The step that is replayed, as the sums of its derivatives take it (replayed_step.c). */
 typedef struct {
   MpmStepMap map;
@@ -29,5 +41,5 @@ PetscErrorCode MpmReplayedSolve(MpmModel model, PetscBool transposed, PetscReal 
 /* Weight of objective o's column after step n. */
 static inline PetscReal MpmGradientWeight(const MpmGradient *gradient, PetscInt o, PetscInt n)
 {
-  return gradient->weights[o * gradient->rows + n + 1];
+  return gradient->weights[o * gradient->rows + gradient->tape.step[n].row];
 }

@@ -15,6 +15,11 @@
 #include "query/point_vector.h"
 #include "sensitivity/parameters.h"
 
+/* Parts of the scene's states that no step changes: displacements begin anew, initial shapes differ. */
+typedef struct {
+  PetscBool resets, shapes;
+} MpmStepConstants;
+
 /* A step at its solution, borrowed. */
 typedef struct {
   const MpmRules           *rules;
@@ -22,6 +27,7 @@ typedef struct {
   MpmParticles             *particles;
   const MpmSceneParameters *parameters;
   const PetscReal          *u; /* at the local nodes */
+  MpmStepConstants          constants;
   PetscInt                  load_count;
   const MpmLoad            *loads;
   const PetscReal          *factors; /* of the loads in the step */

@@ -30,10 +30,12 @@ static PetscErrorCode FindSlopes(MpmModel model, const MpmPointVector *end, Pets
 }
 
 /* One parameter in one step: `start` becomes the step's end. */
-static PetscErrorCode StepAlong(MpmModel model, PetscInt parameter, const MpmStepMap *map, MpmPointVector *vector,
-                                PetscReal slopes[])
+static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt parameter, const MpmStepMap *map,
+                                MpmPointVector *vector)
 {
-  const PetscInt   count = model->disc.space->local * model->disc.block;
+  MpmGradient     *gradient = model->gradient;
+  const PetscInt   count    = model->disc.space->local * model->disc.block;
+  const PetscInt   row      = parameter * gradient->rows + gradient->tape.step[n].row;
   MpmPointVector   start = {0}, end = {0};
   MpmStepDirection direction = {.start = &start, .parameter = parameter};
   PetscReal       *residual, *du;
@@ -42,8 +44,10 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt parameter, const MpmSte
   PetscCall(PetscCalloc2((count + 1), &residual, (count + 1), &du));
   PetscCall(MpmStepVectorCreate(map, &start));
   PetscCall(MpmStepVectorCreate(map, &end));
-  PetscCall(MpmPointVectorMove(model->comm, vector, &start));
+  PetscCall(
+    MpmPointVectorMove(model->comm, !n && gradient->start.at ? &gradient->start.at[parameter] : vector, &start));
   PetscCall(MpmPointVectorDestroy(vector));
+  MpmStageAlong(model, n, map, parameter, &start);
   PetscCall(MpmPointsAlong(map, &direction, residual, NULL));
   PetscCall(MpmLoadsAlong(map, &direction, residual));
   for (PetscInt k = 0; k < count; k++) residual[k] = -residual[k];
@@ -52,7 +56,8 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt parameter, const MpmSte
   direction.du = du;
   PetscCall(MpmPointsAlong(map, &direction, residual, &end));
   PetscCall(MpmLoadsAlong(map, &direction, residual));
-  PetscCall(FindSlopes(model, &end, residual, slopes));
+  MpmPointVectorAddConstant(&start, &end);
+  PetscCall(FindSlopes(model, &end, residual, &gradient->slopes[row * gradient->objectives.count]));
   *vector = end;
   PetscCall(MpmPointVectorDestroy(&start));
   PetscCall(PetscFree2(residual, du));
@@ -62,22 +67,21 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt parameter, const MpmSte
 PetscErrorCode MpmTangentRun(MpmModel model, PetscReal values[])
 {
   MpmGradient    *gradient = model->gradient;
-  const PetscInt  count = gradient->parameters.count, objectives = gradient->objectives.count;
+  const PetscInt  count    = gradient->parameters.count;
   MpmPointVector *vectors;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(count, &vectors));
   PetscCall(PetscFree(gradient->slopes));
-  PetscCall(PetscCalloc1(count * gradient->rows * objectives, &gradient->slopes));
+  PetscCall(PetscCalloc1((count * gradient->rows * gradient->objectives.count), &gradient->slopes));
+  MpmStartSlopes(gradient, gradient->slopes);
   for (PetscInt n = 0; n < gradient->tape.count; n++) {
     MpmReplayedStep step;
 
     PetscCall(MpmTapeReplay(model, &gradient->tape, n));
     PetscCall(MpmReplayedStepCreate(model, n, &step));
     PetscCall(MpmReplayedSolveSetUp(model));
-    for (PetscInt k = 0; k < count; k++)
-      PetscCall(
-        StepAlong(model, k, &step.map, &vectors[k], &gradient->slopes[(k * gradient->rows + n + 1) * objectives]));
+    for (PetscInt k = 0; k < count; k++) PetscCall(StepAlong(model, n, k, &step.map, &vectors[k]));
     PetscCall(MpmReplayedStepDestroy(&step));
   }
   for (PetscInt k = 0; k < count; k++) PetscCall(MpmPointVectorDestroy(&vectors[k]));

@@ -4,8 +4,10 @@
 #include "particles/particles.h"
 #include "space/space.h"
 #include "space/sum.h"
+#include "query/query.h"
 #include "step/integrator.h"
 #include "schedule/schedule.h"
+#include "schedule/stage.h"
 #include "sensitivity/tape.h"
 
 PetscErrorCode MpmTapeBegin(MpmModel model, MpmTape *tape)
@@ -17,7 +19,19 @@ PetscErrorCode MpmTapeBegin(MpmModel model, MpmTape *tape)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTapeRecord(MpmModel model, MpmTape *tape)
+PetscErrorCode MpmTapeRestart(MpmModel model, MpmTape *tape)
+{
+  PetscFunctionBeginUser;
+  if (tape->states.count) PetscCall(MpmTapeStorePin(model, tape->count, &tape->states));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmTapeBeginsStage(const MpmTape *tape, PetscInt n)
+{
+  return (PetscBool)(!n || tape->step[n].stage != tape->step[n - 1].stage);
+}
+
+PetscErrorCode MpmTapeRecord(MpmModel model, PetscInt row, MpmTape *tape)
 {
   const PetscScalar *x;
   MpmTapeStep       *step;
@@ -30,6 +44,8 @@ PetscErrorCode MpmTapeRecord(MpmModel model, MpmTape *tape)
   step        = &tape->step[tape->count++];
   step->time  = model->state.time;
   step->dt    = model->disc.sum->step.dt;
+  step->stage = model->state.stage;
+  step->row   = row;
   step->count = model->disc.space->owned * model->disc.block;
   PetscCall(PetscMalloc1((step->count + 1), &step->x));
   PetscCall(VecGetArrayRead(model->solver.x, &x));
@@ -37,6 +53,26 @@ PetscErrorCode MpmTapeRecord(MpmModel model, MpmTape *tape)
   PetscCall(VecRestoreArrayRead(model->solver.x, &x));
   PetscCall(MpmTapeStoreCount(model, (PetscReal)step->count * (PetscReal)sizeof(PetscScalar), &tape->states));
   PetscCall(MpmTapeStoreAdd(model, tape->count, &tape->states));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Conditions, loads and lengths of steps of a stage are in force again at the present time. */
+static PetscErrorCode EnterStage(MpmModel model, PetscInt stage)
+{
+  PetscFunctionBeginUser;
+  if (model->scene.stages.count == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  model->state.stage = stage;
+  PetscCall(MpmStageResume(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Bodies that are taken away by a ramp lose their part of a step. */
+static PetscErrorCode Remove(MpmModel model, PetscReal time, MpmOutcome *outcome)
+{
+  PetscFunctionBeginUser;
+  if (!MpmRemovalGoesOn(model)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmRemovalSet(model, time, outcome));
+  PetscCall(MpmRemovalCommit(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -48,7 +84,9 @@ static PetscErrorCode GoToSolution(MpmModel model, const MpmTape *tape, PetscInt
   MpmOutcome         outcome;
 
   PetscFunctionBeginUser;
+  PetscCall(EnterStage(model, step->stage));
   PetscCall(MpmStepArrange(model, &outcome));
+  if (!outcome.code) PetscCall(Remove(model, step->time, &outcome));
   if (!outcome.code)
     PetscCall((*model->state.scheme.integrator->begin)(model, step->time, step->dt, PETSC_FALSE, &outcome));
   PetscCheck(!outcome.code && step->count == model->disc.space->owned * model->disc.block, model->comm, PETSC_ERR_PLIB,
@@ -119,6 +157,7 @@ PetscErrorCode MpmTapeFinish(MpmModel model, MpmTape *tape)
   if (tape->end.points) {
     PetscCall(MpmRowsLoad(model->state.rows, &tape->end.values, "", PETSC_FALSE));
     PetscCall(MpmStateReturn(&model->state, &tape->end));
+    PetscCall(EnterStage(model, model->state.stage));
   }
   PetscCall(PetscMemzero(&tape->end, sizeof(tape->end)));
   PetscCall(MpmTapeDestroy(tape));

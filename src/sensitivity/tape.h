@@ -9,8 +9,10 @@
 /* One step. */
 typedef struct {
   PetscReal    time, dt; /* s; time of the run at its end */
-  PetscInt     count;    /* owned unknowns */
-  PetscScalar *x;        /* the solution, in the solver's units */
+  PetscInt     stage;
+  PetscInt     row;   /* of the collected curves, at its end */
+  PetscInt     count; /* owned unknowns */
+  PetscScalar *x;     /* the solution, in the solver's units */
 } MpmTapeStep;
 
 typedef struct {
@@ -23,8 +25,13 @@ typedef struct {
 
 /* The run begins. */
 PetscErrorCode MpmTapeBegin(MpmModel model, MpmTape *tape);
-/* The step that has just been accepted. Collective. */
-PetscErrorCode MpmTapeRecord(MpmModel model, MpmTape *tape);
+/* The step that has just been accepted, with its row of the curves. Collective. */
+PetscErrorCode MpmTapeRecord(MpmModel model, PetscInt row, MpmTape *tape);
+/* The next step starts from the present state, which differs from the last step's end. Nothing before Begin.
+   Collective. */
+PetscErrorCode MpmTapeRestart(MpmModel model, MpmTape *tape);
+/* True where step n is the first one, or the first of its stage. */
+PetscBool MpmTapeBeginsStage(const MpmTape *tape, PetscInt n);
 /*
   The model stands at the solution of step n: space, loads and residual are those of its last evaluation. The state is
   kept for another replay. Done: the steps from n on are not replayed any more. Finish: the model returns to the run's

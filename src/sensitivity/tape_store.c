@@ -128,7 +128,8 @@ PetscErrorCode MpmTapeStoreCount(MpmModel model, PetscReal bytes, MpmTapeStore *
   PetscCall(Total(model, store->bytes, &total));
   for (PetscInt stride = store->stride; total > store->limit && stride < store->count; stride = store->stride) {
     store->stride = 2 * stride;
-    for (PetscInt k = stride; k < store->count; k += 2 * stride) PetscCall(Forget(store, &store->at[k]));
+    for (PetscInt k = stride; k < store->count; k += 2 * stride)
+      if (!store->at[k].pinned) PetscCall(Forget(store, &store->at[k]));
     PetscCall(Total(model, store->bytes, &total));
   }
   MpmCheckInput(total <= store->limit,
@@ -146,6 +147,16 @@ PetscErrorCode MpmTapeStoreCheck(MpmModel model, const MpmTapeStore *store)
   PetscCall(Total(model, 2. * store->bytes, &total));
   MpmCheckInput(total <= store->limit, "-mpm_gradient_memory %g: is too little: two states take %g bytes",
                 (double)store->limit, (double)total);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTapeStorePin(MpmModel model, PetscInt n, MpmTapeStore *store)
+{
+  PetscFunctionBeginUser;
+  if (n < store->count) PetscCall(Forget(store, &store->at[n]));
+  PetscCall(MpmTapeStoreKeep(model, n, store));
+  store->at[n].pinned = PETSC_TRUE;
+  PetscCall(MpmTapeStoreCount(model, 0., store));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

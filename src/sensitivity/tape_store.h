@@ -15,6 +15,7 @@ extern const char *const MpmTapeStoreKinds[]; /* their names, NULL behind the la
 /* One state: in memory, or where it begins in the file. */
 typedef struct {
   PetscBool    there;
+  PetscBool    pinned; /* no step leads to it */
   MpmStateKept kept;
   PetscInt64   place, bytes; /* in the file; of this rank's points */
 } MpmTapeState;
@@ -34,6 +35,8 @@ typedef struct {
 PetscErrorCode MpmTapeStoreCount(MpmModel model, PetscReal bytes, MpmTapeStore *store);
 /* The state after n steps, which is the model's; states must come in order. Collective. */
 PetscErrorCode MpmTapeStoreAdd(MpmModel model, PetscInt n, MpmTapeStore *store);
+/* The model's state takes the place of that after n steps, and stays. Collective. */
+PetscErrorCode MpmTapeStorePin(MpmModel model, PetscInt n, MpmTapeStore *store);
 /* Fails where the memory is too little for another state beside those that are there. Collective. */
 PetscErrorCode MpmTapeStoreCheck(MpmModel model, const MpmTapeStore *store);
 /* The last state that is there among the first n + 1. */

@@ -80,9 +80,13 @@ static PetscErrorCode StretchedSlopes(const MpmRules *rules, const MpmPoints *po
 
   PetscFunctionBeginUser;
   PetscCall(StretchSlopes(dim, MpmPointF(points, p), slopes->stretch_by_F));
-  for (PetscInt a = 0; a < dim; a++)
-    for (PetscInt k = 0; k < dim * dim; k++)
+  for (PetscInt a = 0; a < dim; a++) {
+    slopes->stretched[a] = 0.;
+    for (PetscInt k = 0; k < dim * dim; k++) {
       slopes->stretch_by_F[a][k] *= points->domain.half_length[p * dim + a] / rules->grid->h[a];
+      slopes->stretched[a] += slopes->stretch_by_F[a][k] * MpmPointF(points, p)[k]; /* U(cF) = cU(F) */
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -103,6 +107,7 @@ static void LengthSlopes(const MpmRules *rules, const MpmPoints *points, PetscIn
     slopes->length_by_place[a] = clipped ? (below < above ? 1. : -1.) / grid->h[a] : 0.;
     for (PetscInt k = 0; k < dim * dim; k++)
       slopes->length_by_F[a][k] = clipped || longest ? 0. : slopes->stretch_by_F[a][k];
+    slopes->length_by_start[a] = clipped || longest ? 0. : slopes->stretched[a];
   }
 }
 
@@ -174,19 +179,21 @@ PetscReal MpmPointSlopesWeight(const MpmPointSlopes *slopes, PetscInt axis, Pets
 }
 
 void MpmPointSlopesAlong(const MpmPointSlopes *slopes, PetscInt F_size, const PetscReal dx[], const PetscReal dF[],
-                         PetscReal half[])
+                         const PetscReal start[], PetscReal half[])
 {
   for (PetscInt a = 0; a < slopes->space->dim; a++) {
     half[a] = slopes->domain ? slopes->length_by_place[a] * dx[a] : 0.;
+    if (slopes->domain && start) half[a] += slopes->length_by_start[a] * start[a];
     for (PetscInt k = 0; slopes->domain && k < F_size; k++) half[a] += slopes->length_by_F[a][k] * dF[k];
   }
 }
 
 void MpmPointSlopesPull(const MpmPointSlopes *slopes, PetscInt F_size, const PetscReal half[], PetscReal x[],
-                        PetscReal F[])
+                        PetscReal F[], PetscReal start[])
 {
   for (PetscInt a = 0; slopes->domain && a < slopes->space->dim; a++) {
     x[a] += slopes->length_by_place[a] * half[a];
+    if (start) start[a] += slopes->length_by_start[a] * half[a];
     for (PetscInt k = 0; k < F_size; k++) F[k] += slopes->length_by_F[a][k] * half[a];
   }
 }

@@ -20,6 +20,8 @@ typedef struct {
   PetscReal       length_by_place[MPM_MAX_DIM];         /* of the half-length on the same axis, cells/m */
   PetscReal       stretch_by_F[MPM_MAX_DIM][MPM_F_MAX]; /* of the half-length before it is clipped, cells */
   PetscReal       length_by_F[MPM_MAX_DIM][MPM_F_MAX];  /* cells */
+  PetscReal       stretched[MPM_MAX_DIM];               /* half-length before it is clipped, cells */
+  PetscReal       length_by_start[MPM_MAX_DIM];         /* by the relative change of the initial half-length, cells */
   PetscReal      *bend, *weight, *gradient;             /* bend: 1/m2; by half-length: 1/cell and 1/(m cell) */
 } MpmPointSlopes;
 
@@ -36,8 +38,11 @@ void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, Mp
                          const MpmBasis *basis);
 /* The derivative of the weight of a group's node i on an axis, alone. */
 PetscReal MpmPointSlopesWeight(const MpmPointSlopes *slopes, PetscInt axis, PetscInt i, MpmSlopeKind kind);
-/* The change of all half-lengths, in cells, with the place and F; and the transposed operation, added. */
+/*
+  The change of all half-lengths, in cells, with the place, F and the relative change of the initial half-lengths; and
+  the transposed operation, added. `start` may be NULL.
+*/
 void MpmPointSlopesAlong(const MpmPointSlopes *slopes, PetscInt F_size, const PetscReal dx[], const PetscReal dF[],
-                         PetscReal half[]);
+                         const PetscReal start[], PetscReal half[]);
 void MpmPointSlopesPull(const MpmPointSlopes *slopes, PetscInt F_size, const PetscReal half[], PetscReal x[],
-                        PetscReal F[]);
+                        PetscReal F[], PetscReal start[]);

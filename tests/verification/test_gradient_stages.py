@@ -43,3 +43,15 @@ with Test() as test:
     test.near("footing_drained.cohesion", gradient[0], -24.51505833, relative=1e-8)
     test.near("footing_drained.friction", gradient[2], -19149.35422, relative=1e-7)
     test.near("footing_drained.dilation", gradient[3], -207.7852, relative=2e-6)
+
+    # stages: bodies go, other loads act, displacements begin anew
+    names = "soil.E,soil.cohesion,soil.density,crest.factor,weight.factor"
+    dig = {"mpm_grid_cells": "24,11", "mpm_stages": "hold,dig,load", "mpm_stage_load_time_step": 0.1}
+    slope = example("slope_stages")
+    way, gradient = agree(test, "slope", slope, names, "track_side_ux", **dig)
+    parts = gradient * (30e6, 12e3, 2000, 1, 1)
+    test.near("slope.scaling", parts[[0, 1, 3, 4]].sum(), 0.0, absolute=1e-9 * abs(parts).max())
+    test.near("slope.weight", parts[2], parts[4], relative=1e-9)  # a density acts as gravity
+    ends = [differentiate(test, slope, "soil.E", "track_side_ux", mpm_material_soil_E=repr(30e6 * (1 + step)), **dig)[0]
+            for step in (-1e-5, 1e-5)]
+    test.near("slope.differences", gradient[0], (ends[1] - ends[0]) / 600.0, relative=1e-6)
