@@ -21,7 +21,7 @@
 #define ERROR     1e-5 /* of derivatives and differences that is accepted beside their noise, relative */
 
 /* Sets the option of a parameter to so many times its value, or back to the scene's. */
-static PetscErrorCode SetParameter(MpmModel model, const MpmSceneParameter *parameter, PetscReal factor)
+PetscErrorCode MpmParameterSet(MpmModel model, const MpmSceneParameter *parameter, PetscReal factor)
 {
   char name[PETSC_MAX_OPTION_NAME], value[512];
 
@@ -73,13 +73,13 @@ static PetscErrorCode Evaluate(MpmModel model, PetscInt k, PetscReal factor, Pet
   MpmModel                 other;
 
   PetscFunctionBeginUser;
-  PetscCall(SetParameter(model, parameter, factor));
+  PetscCall(MpmParameterSet(model, parameter, factor));
   PetscCall(MpmModelCreate(model->comm, &other));
   other->record->sources = model->record->sources;
   PetscCall(MpmModelSetFromOptions(other));
   PetscCall(RunAlong(other, model->gradient->rows, model->gradient->times, objective));
   PetscCall(MpmModelDestroy(&other));
-  PetscCall(SetParameter(model, parameter, 1.));
+  PetscCall(MpmParameterSet(model, parameter, 1.));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,7 +2,12 @@
 /*
   Tasks that follow a run's steps, with runs of changed scenes beside it.
 */
+#include "sensitivity/parameters.h"
 #include "talus/talus.h"
 
+/* Derivatives of the state from which steps start, where it depends on parameters (start_slopes.c). */
+PetscErrorCode MpmGradientFindStart(MpmModel model);
+/* The option of a parameter becomes so many times its value, from which a model may then be made. */
+PetscErrorCode MpmParameterSet(MpmModel model, const MpmSceneParameter *parameter, PetscReal factor);
 /* Of the task check_gradient: derivatives against those of changed runs (gradient_check.c); fails the run's outcome. */
 PetscErrorCode MpmGradientCheck(MpmModel model);

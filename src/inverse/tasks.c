@@ -13,7 +13,8 @@
 static PetscErrorCode Differentiate(MpmModel model)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmGradientFind(model));
+  PetscCall(MpmGradientFindStart(model));
+  if (!model->caller.outcome.code) PetscCall(MpmGradientFind(model));
   PetscCall(MpmGradientCheck(model));
   if (model->caller.outcome.code) PetscCall(MpmTerminalWarn(model, "%s", model->caller.outcome.text));
   PetscFunctionReturn(PETSC_SUCCESS);

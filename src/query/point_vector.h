@@ -35,6 +35,8 @@ PetscErrorCode MpmPointVectorCreate(const MpmPoints *points, const PetscInt size
 PetscErrorCode MpmPointVectorDestroy(MpmPointVector *vector);
 /* A vector of the points and fields of another one, with its numbers, or zeros. */
 PetscErrorCode MpmPointVectorCopy(const MpmPointVector *from, PetscBool numbers, MpmPointVector *to);
+/* The points' state itself: of relative changes the logarithms. */
+void MpmPointVectorTake(const MpmPoints *points, MpmPointVector *vector);
 /* Numbers a point of all fields. */
 PetscInt MpmPointVectorSize(const MpmPointVector *vector);
 /* Takes the numbers of the points of `from`, on whatever ranks these are; zeros for points that are not there.

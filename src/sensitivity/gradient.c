@@ -121,10 +121,6 @@ PetscErrorCode MpmGradientBegin(MpmModel model)
   if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
   model->gradient->start.rows    = 1;
   model->gradient->start.differs = MpmGradientStartDiffers(model);
-  MpmCheckInput(
-    !model->gradient->start.differs,
-    "-mpm_task gradient: there are no derivatives yet with a geostatic stage, initial stresses and bodies from "
-    "files");
   PetscCall(MpmTapeBegin(model, &model->gradient->tape));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -11,24 +11,31 @@
 */
 #include "sensitivity/point_work.h"
 
-PetscErrorCode MpmStepVectorCreate(const MpmStepMap *map, MpmPointVector *vector)
+PetscErrorCode MpmStateVectorCreate(const MpmSum *sum, const MpmPoints *points, MpmStepConstants constants,
+                                    MpmPointVector *vector)
 {
-  const MpmSum  *sum = map->sum;
   const PetscInt dim = sum->space->dim, rates = sum->layout->rate.count;
   const PetscInt size[MPM_VECTOR_FIELDS] = {[MPM_VECTOR_X]        = dim,
-                                            [MPM_VECTOR_F]        = sum->points->F_size,
+                                            [MPM_VECTOR_F]        = points->F_size,
                                             [MPM_VECTOR_STATE]    = sum->kept.state,
                                             [MPM_VECTOR_VALUE]    = rates,
                                             [MPM_VECTOR_GRADIENT] = rates * dim,
                                             [MPM_VECTOR_OWN]      = sum->kept.own,
-                                            [MPM_VECTOR_ORIGIN]   = map->constants.resets ? dim : 0,
-                                            [MPM_VECTOR_VOLUME]   = map->constants.shapes ? 1 : 0,
+                                            [MPM_VECTOR_ORIGIN]   = constants.resets ? dim : 0,
+                                            [MPM_VECTOR_VOLUME]   = constants.shapes ? 1 : 0,
                                             [MPM_VECTOR_LENGTH] =
-                                              map->constants.shapes && sum->points->domain.half_length ? dim : 0,
-                                            [MPM_VECTOR_MASS] = sum->points->mass ? 1 : 0};
+                                              constants.shapes && points->domain.half_length ? dim : 0,
+                                            [MPM_VECTOR_MASS] = points->mass ? 1 : 0};
 
   PetscFunctionBeginUser;
-  PetscCall(MpmPointVectorCreate(sum->points, size, vector));
+  PetscCall(MpmPointVectorCreate(points, size, vector));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepVectorCreate(const MpmStepMap *map, MpmPointVector *vector)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmStateVectorCreate(map->sum, map->sum->points, map->constants, vector));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -13,7 +13,7 @@ PetscErrorCode MpmTangentRun(MpmModel model, PetscReal values[]);
 PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[]);
 
 /*
-  Changes between the end of step n - 1 and the start of step n, where a stage begins (stage_map.c): Along for the
+  Changes between the end of step n - 1 and the start of step n, where a stage begins: Along for the
   change of the state, Pull for derivatives by it. The vectors are over the points at the step's start.
 */
 void MpmStageAlong(const MpmModel model, PetscInt n, const MpmStepMap *map, PetscInt parameter, MpmPointVector *vector);
@@ -23,6 +23,9 @@ void MpmStagePull(const MpmModel model, PetscInt n, const MpmStepMap *map, Petsc
    rank's part. */
 void           MpmStartSlopes(const MpmGradient *gradient, PetscReal slopes[]);
 PetscErrorCode MpmStartPull(MpmModel model, const MpmPointVector *vector, PetscReal values[]);
+
+/* Of all states of the run. */
+MpmStepConstants MpmGradientConstants(const MpmModel model);
 
 /* The step that is replayed, as the sums of its derivatives take it (replayed_step.c). */
 typedef struct {

@@ -40,7 +40,9 @@ typedef struct {
   const PetscReal      *du;
 } MpmStepDirection;
 
-/* A vector over the states of the step's points. */
+/* A vector over the states of points, and of the step's points. */
+PetscErrorCode MpmStateVectorCreate(const MpmSum *sum, const MpmPoints *points, MpmStepConstants constants,
+                                    MpmPointVector *vector);
 PetscErrorCode MpmStepVectorCreate(const MpmStepMap *map, MpmPointVector *vector);
 /* Adds dr at the local nodes, a rank's part; where `end` is not NULL also sets ds'. */
 PetscErrorCode MpmPointsAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[],

@@ -44,14 +44,29 @@ with Test() as test:
     test.near("footing_drained.friction", gradient[2], -19149.35422, relative=1e-7)
     test.near("footing_drained.dilation", gradient[3], -207.7852, relative=2e-6)
 
-    # stages: bodies go, other loads act, displacements begin anew
+    # a geostatic start, then stages: bodies go, other loads act, displacements begin anew
     names = "soil.E,soil.cohesion,soil.density,crest.factor,weight.factor"
-    dig = {"mpm_grid_cells": "24,11", "mpm_stages": "hold,dig,load", "mpm_stage_load_time_step": 0.1}
+    steps = {"mpm_grid_cells": "24,11", "mpm_stage_load_time_step": 0.1}
     slope = example("slope_stages")
-    way, gradient = agree(test, "slope", slope, names, "track_side_ux", **dig)
+    _, gradient = agree(test, "slope", slope, names, "track_side_ux", **steps)
     parts = gradient * (30e6, 12e3, 2000, 1, 1)
-    test.near("slope.scaling", parts[[0, 1, 3, 4]].sum(), 0.0, absolute=1e-9 * abs(parts).max())
-    test.near("slope.weight", parts[2], parts[4], relative=1e-9)  # a density acts as gravity
-    ends = [differentiate(test, slope, "soil.E", "track_side_ux", mpm_material_soil_E=repr(30e6 * (1 + step)), **dig)[0]
+    test.near("slope.scaling", parts[[0, 1, 3, 4]].sum(), 0.0, absolute=1e-8 * abs(parts).max())
+    test.near("slope.weight", parts[2], parts[4], relative=1e-8)  # a density acts as gravity
+    ends = [differentiate(test, slope, "soil.E", "track_side_ux", mpm_material_soil_E=repr(30e6 * (1 + step)), **steps)[0]
             for step in (-1e-5, 1e-5)]
     test.near("slope.differences", gradient[0], (ends[1] - ends[0]) / 600.0, relative=1e-6)
+
+    # bodies that join, with masses of their own
+    dig = Path(__file__).with_name("dig.yaml")
+    _, gradient = agree(test, "dig", dig, "soil.E,hard.density,push.factor", "track_top_uy", mpm_stages="rest,dig,fill,load")
+    ends = [differentiate(test, dig, "soil.E", "track_top_uy", mpm_stages="rest,dig,fill,load",
+                          mpm_material_hard_density=repr(2000 * (1 + step)))[0] for step in (-0.1, 0.1)]
+    test.near("dig.differences", gradient[1], (ends[1] - ends[0]) / 400.0, relative=1e-3)  # of a number of 1e-13
+
+    # bodies with initial stress
+    block, names = Path(__file__).with_name("stressed_block.yaml"), "soil.E,soil.nu,side.factor"
+    _, gradient = agree(test, "stress", block, names, "track_corner_ux")
+    for k, (name, value) in enumerate((("E", 20e6), ("nu", 0.3))):
+        ends = [differentiate(test, block, "soil.E", "track_corner_ux", **{f"mpm_material_soil_{name}": repr(value * (1 + step))})[0]
+                for step in (-1e-4, 1e-4)]
+        test.near(f"stress.differences.{name}", gradient[k], (ends[1] - ends[0]) / 2e-4 / value, relative=1e-6)
