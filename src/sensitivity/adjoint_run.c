@@ -49,10 +49,12 @@ static PetscErrorCode StepPull(MpmModel model, PetscInt n, const MpmStepMap *map
   PetscCall(MpmPointVectorDestroy(vector));
   PetscCall(PullObjectives(model, n, &end, lam));
   PetscCall(MpmPointsPullSolution(map, &end, lam, ubar));
+  PetscCall(MpmGhostPullSolution(map, lam, ubar));
   PetscCall(MpmReplayedSolve(model, PETSC_TRUE, ubar, solved));
   for (PetscInt k = 0; k < count; k++) lam[k] += solved[k];
   PetscCall(MpmPointsPullStart(map, &end, lam, &start, values));
   PetscCall(MpmLoadsPullStart(map, lam, &start, values));
+  PetscCall(MpmGhostPullStart(map, lam, values));
   MpmPointVectorAddConstant(&end, &start);
   MpmStagePull(model, n, map, values, &start);
   *vector = start;

@@ -1,6 +1,7 @@
 /*
   Parts of a scene whose derivatives are not there yet: refused by name, before anything is written.
 */
+#include <string.h>
 #include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
@@ -104,6 +105,20 @@ static PetscBool AnyRescue(const MpmScene *scene)
   return PETSC_FALSE;
 }
 
+/* True where the penalty across faces goes with more than the materials' E: their constrained modulus, or the flow of
+   water. */
+static PetscBool PenaltyIsOpen(const MpmModel model)
+{
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    const MpmLawInfo *info = &model->scene.materials->at[m].info;
+    size_t            k    = 0;
+
+    while (k < info->parameter_count && strcmp(info->parameters[k].name, "E")) k++;
+    if (k == info->parameter_count) return PETSC_TRUE;
+  }
+  return (PetscBool)(model->disc.layout->ghost != NULL);
+}
+
 static PetscErrorCode CheckParts(const MpmModel model)
 {
   const MpmScene *scene   = &model->scene;
@@ -123,8 +138,8 @@ static PetscErrorCode CheckParts(const MpmModel model)
          {"terms from plugins", (PetscBool)(scene->terms->count > 0)},
          {"conditions along a normal, and absorbing ones", AnyInclined(scene->bcs)},
          {"a body force of the caller", (PetscBool)(scene->body_force.function != NULL)},
-         {"the ghost penalty (-mpm_stabilization_ghost)", (PetscBool)(model->disc.matrix.ghost > 0.)},
-         {"the penalty on all faces (-mpm_stabilization_interior)", (PetscBool)(scene->stabilization.interior > 0.)},
+         {"the ghost penalty of water, or of a material without E",
+          (PetscBool)((model->disc.matrix.ghost > 0. || scene->stabilization.interior > 0.) && PenaltyIsOpen(model))},
          {"smoothed strains (-mpm_stabilization_smooth)", (PetscBool)(scene->stabilization.smooth > 0.)},
          {"a moving grid", (PetscBool)(scene->follow.what != MPM_FOLLOW_NOTHING)},
   };
@@ -160,10 +175,10 @@ PetscErrorCode MpmGradientCheckRun(const MpmModel model, MpmOutcome *outcome)
 
   PetscFunctionBeginUser;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &faces, 1, MPIU_INT, MPI_MAX, model->comm));
-  if (faces)
+  if (faces && PenaltyIsOpen(model))
     PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
-                             "points are sparse, and there are no derivatives yet with the penalty that holds them; "
-                             "-mpm_stabilization_ghost off does without"));
+                             "points are sparse, and there are no derivatives yet with the penalty that holds them for "
+                             "water, or a material without E; -mpm_stabilization_ghost off does without"));
   if (changes[MPM_CHANGE_DILATION] || changes[MPM_CHANGE_SETTLING])
     PetscCall(
       MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,

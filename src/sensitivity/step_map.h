@@ -61,3 +61,8 @@ PetscErrorCode MpmPointsPullStart(const MpmStepMap *map, const MpmPointVector *e
 PetscErrorCode MpmLoadsAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[]);
 PetscErrorCode MpmLoadsPullStart(const MpmStepMap *map, const PetscReal lam[], MpmPointVector *start,
                                  PetscReal gradient[]);
+
+/* The penalty on jumps across faces (ghost_map.c), likewise; its derivatives by the points' state are 0. */
+PetscErrorCode MpmGhostAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[]);
+PetscErrorCode MpmGhostPullSolution(const MpmStepMap *map, const PetscReal lam[], PetscReal u[]);
+PetscErrorCode MpmGhostPullStart(const MpmStepMap *map, const PetscReal lam[], PetscReal gradient[]);

@@ -50,12 +50,14 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt parameter, 
   MpmStageAlong(model, n, map, parameter, &start);
   PetscCall(MpmPointsAlong(map, &direction, residual, NULL));
   PetscCall(MpmLoadsAlong(map, &direction, residual));
+  PetscCall(MpmGhostAlong(map, &direction, residual));
   for (PetscInt k = 0; k < count; k++) residual[k] = -residual[k];
   PetscCall(MpmReplayedSolve(model, PETSC_FALSE, residual, du));
   PetscCall(PetscArrayzero(residual, count));
   direction.du = du;
   PetscCall(MpmPointsAlong(map, &direction, residual, &end));
   PetscCall(MpmLoadsAlong(map, &direction, residual));
+  PetscCall(MpmGhostAlong(map, &direction, residual));
   MpmPointVectorAddConstant(&start, &end);
   PetscCall(FindSlopes(model, &end, residual, &gradient->slopes[row * gradient->objectives.count]));
   *vector = end;

@@ -110,11 +110,6 @@ with Test() as test:
                    gradient_ksp_converged_reason=None)
     test.check("solves", run.output.count("gradient_ solve converged"), 2, 2)
 
-    # points one a cell are held by a penalty that has no derivatives: the run says so
-    run = test.run(example("cantilever"), status=3, **{**CANTILEVER, "mpm_body_beam_points_per_cell": "1,1"},
-                   **{**check, "mpm_task": "gradient"})
-    test.check("sparse", "points are sparse" in run.errors, 1, 1)
-
     refuse(test, "no_parameters", "cantilever", "-mpm_parameters is missing", **ask)
     refuse(test, "no_objectives", "cantilever", "-mpm_objectives is missing", mpm_gradient_parameters="beam.E")
     refuse(test, "key", "cantilever", "no parameter Q", mpm_gradient_parameters="beam.Q", **ask)

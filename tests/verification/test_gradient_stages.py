@@ -70,3 +70,15 @@ with Test() as test:
         ends = [differentiate(test, block, "soil.E", "track_corner_ux", **{f"mpm_material_soil_{name}": repr(value * (1 + step))})[0]
                 for step in (-1e-4, 1e-4)]
         test.near(f"stress.differences.{name}", gradient[k], (ends[1] - ends[0]) / 2e-4 / value, relative=1e-6)
+
+    # penalties across faces, which go with E: of cut cells, of points one a cell, and of all faces
+    coarse, beam = {"mpm_grid_cells": "30,30", "mpm_body_beam_points_per_cell": "3,3", "mpm_time_step": 0.2}, example("cantilever")
+    for label, options in (("ghost", {"mpm_stabilization_ghost": 0.1}), ("sparse", {"mpm_body_beam_points_per_cell": "1,1"}),
+                           ("interior", {"mpm_stabilization_interior": 0.05})):
+        ways = [differentiate(test, beam, "beam.E,beam.nu,tip.factor", "track_tip_ux", method, ranks, **{**coarse, **options})[1]
+                for method, ranks in (("adjoint", 1), ("tangent", 3))]
+        test.near(f"{label}.tangent", abs(ways[1] / ways[0] - 1.0).max(), 0.0, absolute=1e-9)
+        test.near(f"{label}.scaling", ways[0][0] * 12e6 + ways[0][2], 0.0, absolute=1e-9 * abs(ways[0][2]))
+        ends = [differentiate(test, beam, "beam.nu", "track_tip_ux", mpm_material_beam_nu=repr(0.2 * (1 + step)),
+                              **{**coarse, **options})[0] for step in (-1e-5, 1e-5)]
+        test.near(f"{label}.differences", ways[0][1], (ends[1] - ends[0]) / 0.4e-5, relative=1e-6)
