@@ -19,6 +19,9 @@
 #define CHANGES   6    /* each a tenth of the one before */
 #define AGREEMENT 1e-8 /* of adjoint and tangent, relative */
 #define ERROR     1e-5 /* of derivatives and differences that is accepted beside their noise, relative */
+/* Parts of the objective over the parameter that rounding leaves: of derivatives of zero, and of their differences */
+#define ROUNDING_EXACT      1e-12
+#define ROUNDING_DIFFERENCE 1e-8
 
 /* Sets the option of a parameter to so many times its value, or back to the scene's. */
 PetscErrorCode MpmParameterSet(MpmModel model, const MpmSceneParameter *parameter, PetscReal factor)
@@ -54,7 +57,7 @@ static PetscErrorCode RunAlong(MpmModel model, PetscInt rows, const PetscReal ti
 
   PetscFunctionBeginUser;
   PetscCall(MpmModelSetUp(model));
-  PetscCall(MpmHistoryAddColumns(model, &model->results->columns));
+  PetscCall(MpmGradientAddColumns(model, &model->results->columns));
   PetscCall(MpmGradientCollect(model));
   for (PetscInt n = 1; n < rows && status == MPM_RUNNING; n++) {
     PetscCall(MpmModelSetTimeStep(model, times[n] - times[n - 1]));
@@ -123,8 +126,10 @@ PetscErrorCode MpmGradientCheck(MpmModel model)
   if (!gradient || !gradient->checks || !found->count) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < found->count; k++) {
     const PetscReal adjoint = found->gradient[k], tangent = found->tangent[k];
-    Difference      difference = {0};
-    PetscReal       apart, wrong;
+    const PetscReal value = gradient->parameters.at[k].value,
+                    scale = value == 0. ? 0. : PetscAbsReal(found->objective / value);
+    Difference difference = {0};
+    PetscReal  apart, wrong;
 
     PetscCall(FindDifference(model, k, &difference));
     apart = PetscAbsReal(tangent - adjoint);
@@ -135,7 +140,8 @@ PetscErrorCode MpmGradientCheck(MpmModel model)
                      "change by %.0e",
                      found->names[k], (double)adjoint, (double)apart, (double)difference.value, (double)wrong,
                      (double)difference.noise, (double)difference.window));
-    if (apart <= AGREEMENT * PetscAbsReal(adjoint) && wrong <= 10. * difference.noise + ERROR * PetscAbsReal(adjoint))
+    if (apart <= AGREEMENT * PetscAbsReal(adjoint) + ROUNDING_EXACT * scale &&
+        wrong <= 10. * difference.noise + ERROR * PetscAbsReal(adjoint) + ROUNDING_DIFFERENCE * scale)
       continue;
     PetscCall(MpmOutcomeFail(&model->caller.outcome, MPM_OUTCOME_REFUSED,
                              "derivative by %s: adjoint %.10g, tangent %.10g, differences %.10g", found->names[k],

@@ -6,7 +6,6 @@
 #include "observe/results.h"
 #include "sensitivity/gradient.h"
 #include "model/build.h"
-#include "model/laboratory.h"
 #include "inverse/inverse.h"
 
 /* Derivatives of the steps that have been taken. */
@@ -37,10 +36,6 @@ PetscErrorCode MpmModelRun(MpmModel model, int *status)
   PetscCall(MpmModelSetUp(model));
   PetscCheck(!model->results->history, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the model has been run");
   PetscCall(MpmFolderMake(model->comm, model->scene.name.prefix));
-  if (model->laboratory) {
-    MpmModelCall(model, MpmLaboratoryRun(model, status));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
   MpmModelCall(model, Run(model));
   *status = model->caller.outcome.code ? MPM_EXIT_GAVEUP : 0;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -27,7 +27,7 @@
 #include "sensitivity/gradient.h"
 #include "checkpoint/checkpoint.h"
 #include "model/build.h"
-#include "model/laboratory.h"
+#include "laboratory/laboratory.h"
 #include "model/program.h"
 
 /* The parts that the model holds by pointers, empty. */

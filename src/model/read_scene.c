@@ -42,7 +42,7 @@
 #include "sensitivity/gradient.h"
 #include "checkpoint/checkpoint.h"
 #include "model/build.h"
-#include "model/laboratory.h"
+#include "laboratory/laboratory.h"
 
 /* ---- the scene ---- */
 
@@ -441,7 +441,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(ReadOutput(model, options));
   PetscCall(MpmCheckpointSetFromOptions(model, options));
   PetscCall(MpmSolverSetFromOptions(&model->solver, options));
-  PetscCall(MpmGradientRead(model, options));
+  PetscCall(MpmGradientRead(model, options, NULL));
   PetscCall(AddRows(model));
   PetscCall(MpmOptionsHas(options, "dim", &particular));
   if (MpmOptionsHelp() && !particular) PetscCall(MpmLaboratoryPrintHelp(model, options));
@@ -461,6 +461,7 @@ static PetscErrorCode ReadScene(MpmModel model)
   if (!model->scene.physics.name && !strcmp(kind, MPM_STRESS_POINT)) {
     PetscCall(MpmLaboratoryRead(model, &options, dim));
     PetscCall(ReadPrefix(model, &options, &output));
+    PetscCall(MpmLaboratoryReadGradient(model, &options));
   } else PetscCall(ReadBodiesOnGrid(model, &options, dim, kind));
   PetscCall(PetscFree(kind));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);

@@ -16,6 +16,7 @@
 #include "sensitivity/gradient.h"
 #include "checkpoint/checkpoint.h"
 #include "model/build.h"
+#include "laboratory/laboratory.h"
 
 /* Reason for which the last step was given up, or NULL. */
 static const char *Reason(const MpmModel model)
@@ -33,6 +34,7 @@ static PetscBool AtStageEnd(const MpmModel model)
 /* True at the end of the last stage. */
 static PetscBool AtEnd(const MpmModel model)
 {
+  if (model->laboratory) return MpmLaboratoryIsAtEnd(model);
   return (PetscBool)(AtStageEnd(model) && model->state.stage + 1 >= model->scene.stages.count);
 }
 
@@ -92,11 +94,10 @@ static PetscErrorCode StepOnce(MpmModel model)
 PetscErrorCode MpmModelStep(MpmModel model, MpmStatus *status)
 {
   PetscFunctionBeginUser;
-  PetscCheck(!model->laboratory, model->comm, PETSC_ERR_SUP, "a stress point is run, not stepped");
   PetscCall(MpmModelSetUp(model));
   *status = MPM_COMPLETED;
   if (AtEnd(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmModelCall(model, StepOnce(model));
+  MpmModelCall(model, model->laboratory ? MpmLaboratoryStep(model) : StepOnce(model));
   *status = model->caller.outcome.code ? MPM_GAVE_UP
             : AtEnd(model)             ? MPM_COMPLETED
             : model->caller.stop       ? MPM_STOPPED
@@ -230,6 +231,7 @@ PetscErrorCode MpmModelRunSteps(MpmModel model, PetscBool *interrupted)
   PetscReal dt;
 
   PetscFunctionBeginUser;
+  if (model->laboratory) PetscFunctionReturn(MpmLaboratoryRunSteps(model, interrupted));
   MpmOutcomeClear(&model->caller.outcome);
   PetscCall(MpmTerminalBegin(model, NULL));
   PetscCall(MpmGradientBegin(model));
@@ -263,7 +265,7 @@ PetscErrorCode MpmModelRunEnd(MpmModel model, PetscBool interrupted)
                                         : model->caller.stop ? "stopped"
                                                              : "completed"));
   PetscCall(WarnUnused(model, MPM_AT_END));
-  PetscCall(MpmModelViewFromOptions(model));
+  if (!model->laboratory) PetscCall(MpmModelViewFromOptions(model));
   if (interrupted) PetscCall(MpmTerminalInterrupted(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

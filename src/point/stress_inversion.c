@@ -85,7 +85,7 @@ static int Evaluate(const MpmInitial *initial, const PetscReal state_n[], const 
 {
   const PetscInt  n = initial->dim, N = n * n, count = Components(initial);
   const PetscBool small = (PetscBool)((initial->material->info.traits & MPM_LAW_SMALL_STRAIN) != 0);
-  PetscReal       identity[9], H[9], dF[9], P[9], tangent[81], cofactor[9], J;
+  PetscReal       identity[9], H[9], dF[9] = {0.}, P[9], tangent[81], cofactor[9], J;
   MpmKernelPoint  point;
 
   Identity(n, identity);
@@ -367,4 +367,154 @@ int MpmInitialFind(const MpmInitial *initial, const PetscReal state_n[], PetscRe
     F[k] = initial->stateful ? (place % (initial->dim + 1) ? 0. : 1.) : full[place];
   }
   return moved;
+}
+
+/* ---- derivatives ---- */
+
+#define CHANGE 4e-2 /* of what a history is differenced by, relative; then half of it, a quarter, an eighth */
+#define LEVELS 4
+
+/* The length by which a direction is followed in differences: a part of the value that it changes the most. */
+static PetscReal Length(const MpmInitial *initial, const PetscReal goal[], const MpmInitialDirection *direction)
+{
+  const MpmLawInfo *info      = &initial->material->info;
+  const double     *parameter = initial->own ? initial->own : initial->material->parameter;
+  PetscReal         most = 0., largest = 0., change = 0.;
+
+  for (size_t k = 0; direction->parameter && k < info->parameter_count; k++) {
+    const PetscReal size = parameter[k] != 0.            ? PetscAbsReal(parameter[k])
+                           : info->parameters[k].typical ? PetscAbsReal(info->parameters[k].typical)
+                                                         : 1.;
+
+    most = PetscMax(most, PetscAbsReal(direction->parameter[k]) / size);
+  }
+  for (PetscInt s = 0; direction->stress && s < SYM_MAX; s++) {
+    largest = PetscMax(largest, PetscAbsReal(goal[s]));
+    if (s < MpmSymSize(initial->model_dim)) change = PetscMax(change, PetscAbsReal(direction->stress[s]));
+  }
+  if (change > 0. && largest > 0.) most = PetscMax(most, change / largest);
+  return most > 0. ? CHANGE / most : 0.;
+}
+
+/* The history of parameters and stress moved along a direction by so much. */
+static int MovedHistory(const MpmInitial *initial, const PetscReal before[], const PetscReal goal[],
+                        const MpmInitialDirection *direction, PetscReal length, PetscReal state[])
+{
+  const MpmMaterial *material  = initial->material;
+  const double      *parameter = initial->own ? initial->own : material->parameter;
+  double             moved[MPM_INITIAL_STATE];
+  PetscReal          stress[SYM_MAX];
+
+  if (material->info.parameter_count > MPM_INITIAL_STATE) return 1;
+  for (size_t k = 0; k < material->info.parameter_count; k++)
+    moved[k] = parameter[k] + (direction->parameter ? length * direction->parameter[k] : 0.);
+  for (PetscInt s = 0; s < SYM_MAX; s++) stress[s] = goal[s];
+  for (PetscInt s = 0; direction->stress && s < MpmSymSize(initial->model_dim); s++)
+    stress[s] += length * direction->stress[s];
+  for (PetscInt k = 0; k < MPM_INITIAL_STATE; k++) state[k] = before[k];
+  return initial->history(moved, material->table, stress, state);
+}
+
+/*
+  The change of a law's own history: central differences at lengths L, L/2, L/4, L/8, of which Richardson's
+  extrapolation leaves an error of the eighth order.
+*/
+static int HistoryAlong(const MpmInitial *initial, const PetscReal before[], const PetscReal goal[],
+                        const MpmInitialDirection *direction, PetscReal change[])
+{
+  PetscReal table[LEVELS][MPM_INITIAL_STATE], above[MPM_INITIAL_STATE], below[MPM_INITIAL_STATE];
+  PetscReal length = Length(initial, goal, direction);
+
+  for (PetscInt k = 0; k < MPM_INITIAL_STATE; k++) change[k] = 0.;
+  if (!(length > 0.)) return 0;
+  for (PetscInt level = 0; level < LEVELS; level++, length *= 0.5) {
+    if (MovedHistory(initial, before, goal, direction, length, above)) return 1;
+    if (MovedHistory(initial, before, goal, direction, -length, below)) return 1;
+    for (PetscInt k = 0; k < MPM_INITIAL_STATE; k++) table[level][k] = (above[k] - below[k]) / (2. * length);
+  }
+  for (PetscInt order = 1; order < LEVELS; order++) {
+    const PetscReal power = PetscPowRealInt(4., (int)order);
+
+    for (PetscInt level = LEVELS - 1; level >= order; level--)
+      for (PetscInt k = 0; k < MPM_INITIAL_STATE; k++)
+        table[level][k] = (power * table[level][k] - table[level - 1][k]) / (power - 1.);
+  }
+  for (PetscInt k = 0; k < MPM_INITIAL_STATE; k++) change[k] = table[LEVELS - 1][k];
+  return 0;
+}
+
+/* The law's answer at h, and its change along parameters, the history at the start, and h. */
+typedef struct {
+  PetscReal F[2][9], state[2][MPM_INITIAL_STATE], sigma[2][SYM_MAX];
+} Change;
+
+static int TakeAlong(const MpmInitial *initial, const PetscReal before[], const PetscReal h[], const PetscReal dh[],
+                     const MpmKernelDirection *along, Change *change)
+{
+  MpmKernelDirection direction = *along;
+  MpmKernelEnd       derivative;
+  MpmKernelPoint     point;
+  PetscReal          identity[9], H[9], dH[9], flux[9], dflux[9];
+
+  Identity(initial->dim, identity);
+  Gradient(initial, h, H);
+  Gradient(initial, dh, dH);
+  direction.input  = dH;
+  point            = Point(initial, identity, before);
+  point.end        = (MpmKernelEnd){.F = change->F[0], .stress = change->sigma[0]};
+  derivative       = (MpmKernelEnd){.F = change->F[1], .stress = change->sigma[1]};
+  point.end.state  = initial->material->state_size ? change->state[0] : NULL;
+  derivative.state = initial->material->state_size ? change->state[1] : NULL;
+  return initial->kernel.sensitivity(&point, H, &direction, flux, dflux, &derivative);
+}
+
+/* dh that keeps the stress at its goal, given the changes of both at h; the law's answer then moves along it. */
+static int Follow(const MpmInitial *initial, const PetscReal before[], const PetscReal goal[], const PetscReal dgoal[],
+                  const PetscReal h[], const MpmKernelDirection *along, Change *change)
+{
+  const PetscBool small         = (PetscBool)((initial->material->info.traits & MPM_LAW_SMALL_STRAIN) != 0);
+  const PetscReal none[SYM_MAX] = {0.};
+  PetscReal       dh[SYM_MAX], rate[SYM_MAX], J;
+  Response        response;
+
+  if (TakeAlong(initial, before, h, none, along, change) || Evaluate(initial, before, goal, h, &response)) return 1;
+  J = small ? 1. : MpmDeterminant(initial->dim * initial->dim, change->F[0]);
+  for (PetscInt s = 0; s < Components(initial); s++)
+    rate[s] = (initial->stateful ? 1. : J) * dgoal[s] - J * change->sigma[1][places[initial->dim][s]];
+  if (SolveSmall(Components(initial), response.slope, rate, dh)) return 1;
+  return TakeAlong(initial, before, h, dh, along, change);
+}
+
+int MpmInitialAlong(const MpmInitial *initial, const PetscReal state_n[], const PetscReal stress[],
+                    const MpmInitialDirection *direction, PetscReal dF[], PetscReal dstate[], PetscReal dstress[])
+{
+  const PetscInt dim = initial->model_dim, size = MpmSymSize(dim), N = initial->dim * initial->dim;
+  PetscReal      before[MPM_INITIAL_STATE] = {0.}, slope[MPM_INITIAL_STATE], h[SYM_MAX] = {0.}, goal[SYM_MAX] = {0.},
+            dgoal[SYM_MAX] = {0.}, cofactor[9], J = 1., dJ = 0.;
+  MpmKernelDirection along  = {.parameter = direction->parameter};
+  Change             change = {0};
+
+  for (PetscInt s = 0; s < PetscMin(size, Components(initial)); s++) {
+    goal[s] = stress[places[initial->dim][s]];
+    if (direction->stress) dgoal[s] = direction->stress[places[initial->dim][s]];
+  }
+  CopyState(initial->material, dim, initial->dim, state_n, before);
+  if (initial->history) {
+    if (HistoryAlong(initial, before, goal, direction, slope)) return 1;
+    if (initial->history(initial->own ? initial->own : initial->material->parameter, initial->material->table, goal,
+                         before))
+      return 1;
+    along.state_n = slope;
+    if (TakeAlong(initial, before, h, h, &along, &change)) return 1;
+  } else if (FindGradient(initial, before, goal, h) || Follow(initial, before, goal, dgoal, h, &along, &change))
+    return 1;
+  CopyState(initial->material, initial->dim, dim, change.state[1], dstate);
+  if (initial->stateful) {
+    J = MpmCofactors(N, change.F[0], cofactor);
+    for (PetscInt k = 0; k < N; k++) dJ += cofactor[k] * change.F[1][k];
+  }
+  for (PetscInt s = 0; s < size; s++) dstress[s] = J * change.sigma[1][s] + dJ * change.sigma[0][s];
+  for (PetscInt k = 0; k < MpmKinematicsF(initial->material->kinematics); k++)
+    dF[k] = initial->stateful ? 0. : change.F[1][Place(initial, k)];
+  return 0;
 }

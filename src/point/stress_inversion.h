@@ -41,3 +41,17 @@ int MpmInitialReturn(const MpmInitial *initial, const PetscReal F[], const Petsc
    */
 int MpmInitialAcross(const MpmInitial *initial, const PetscReal F[], const PetscReal state[], const PetscReal stress[],
                      PetscReal *across);
+
+/* A direction in which what MpmInitialFind() takes changes; NULL: that does not. */
+typedef struct {
+  const PetscReal *parameter; /* of the law, by its table */
+  const PetscReal *stress;    /* wanted, as MpmInitialFind() takes it */
+} MpmInitialDirection;
+/*
+  The change of what MpmInitialFind() finds from state_n on for the wanted stress: of F, of the history, and of the
+  stress of that state. Non-zero where there is no such state, or the law's return has moved it. The law's own history
+  of a stress (MpmLawInfo) is differenced: central differences over changes by a few hundredths and parts of them,
+  extrapolated, whose error is about 1e-13 of the history.
+*/
+int MpmInitialAlong(const MpmInitial *initial, const PetscReal state_n[], const PetscReal stress[],
+                    const MpmInitialDirection *direction, PetscReal dF[], PetscReal dstate[], PetscReal dstress[]);

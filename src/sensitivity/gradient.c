@@ -37,19 +37,28 @@ static PetscErrorCode ReadBlocks(MpmModel model, const MpmOptions *options, MpmG
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmGradientAddColumns(MpmModel model, MpmColumns *columns)
+{
+  const MpmGradientKind *kind = model->gradient->kind;
+
+  PetscFunctionBeginUser;
+  PetscCall((kind ? kind->add_columns : MpmHistoryAddColumns)(model, columns));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The objectives' columns among those that the history will have. */
 static PetscErrorCode FindColumns(MpmModel model)
 {
   MpmColumns columns = {0};
 
   PetscFunctionBeginUser;
-  PetscCall(MpmHistoryAddColumns(model, &columns));
+  PetscCall(MpmGradientAddColumns(model, &columns));
   PetscCall(MpmObjectivesFind(&columns, &model->gradient->objectives));
   PetscCall(MpmColumnsDestroy(&columns));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options)
+PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options, const MpmGradientKind *kind)
 {
   static const char *const tasks[] = {"run", "gradient", "check_gradient", NULL};
   PetscInt                 task    = 0;
@@ -62,13 +71,14 @@ PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options)
     tasks, MPM_OPTIONAL, &task, NULL));
   if (!task && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscNew(&model->gradient));
+  model->gradient->kind   = kind;
   model->gradient->checks = (PetscBool)(task == 2);
   PetscCall(ReadBlocks(model, options, model->gradient));
   if (MpmOptionsHelp()) PetscFunctionReturn(MpmGradientDestroy(&model->gradient));
   MpmCheckInput(model->gradient->parameters.count, "-mpm_parameters is missing: -mpm_task gradient needs parameters");
   MpmCheckInput(model->gradient->objectives.count, "-mpm_objectives is missing: -mpm_task gradient needs objectives");
-  PetscCall(MpmGradientCheckScene(model));
-  model->disc.grid->balance = PETSC_INFINITY; /* replayed steps have the numbers of their nodes */
+  PetscCall((kind ? kind->check : MpmGradientCheckScene)(model));
+  if (!kind) model->disc.grid->balance = PETSC_INFINITY; /* replayed steps have the numbers of their nodes */
   PetscCall(FindColumns(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -115,10 +125,21 @@ PetscErrorCode MpmGradientCollect(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The start, or a step, of a scene that is none on a grid. */
+static PetscErrorCode RecordKind(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmGradientCollect(model));
+  PetscCall((*model->gradient->kind->record)(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmGradientBegin(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
+  if (model->gradient->kind) PetscFunctionReturn(RecordKind(model));
   model->gradient->start.rows    = 1;
   model->gradient->start.differs = MpmGradientStartDiffers(model);
   PetscCall(MpmTapeBegin(model, &model->gradient->tape));
@@ -131,6 +152,7 @@ PetscErrorCode MpmGradientRecord(MpmModel model)
 
   PetscFunctionBeginUser;
   if (!gradient) PetscFunctionReturn(PETSC_SUCCESS);
+  if (gradient->kind) PetscFunctionReturn(RecordKind(model));
   PetscCall(MpmGradientCheckRun(model, &model->caller.outcome));
   if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGradientCollect(model));
@@ -184,6 +206,18 @@ void MpmGradientSumSlopes(const MpmGradient *gradient, PetscReal values[])
   }
 }
 
+/* The gradient by the method chosen or, where both are compared, by the other one. */
+static PetscErrorCode Differentiate(MpmModel model, PetscBool other, PetscReal values[])
+{
+  PetscErrorCode (*const on_grid[])(MpmModel, PetscReal[]) = {MpmAdjointRun, MpmTangentRun};
+  const MpmGradient *gradient                              = model->gradient;
+  const PetscInt     method = other ? 1 - (PetscInt)gradient->method : (PetscInt)gradient->method;
+
+  PetscFunctionBeginUser;
+  PetscCall((gradient->kind ? gradient->kind->find[method] : on_grid[method])(model, values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmGradientFind(MpmModel model)
 {
   MpmGradient    *gradient = model->gradient;
@@ -196,13 +230,15 @@ PetscErrorCode MpmGradientFind(MpmModel model)
   PetscCall(PetscMalloc1(count, &found->names));
   PetscCall(PetscCalloc1(count, &found->gradient));
   for (PetscInt k = 0; k < count; k++) found->names[k] = gradient->parameters.at[k].name;
-  PetscCall((gradient->method == MPM_GRADIENT_ADJOINT ? MpmAdjointRun : MpmTangentRun)(model, found->gradient));
+  PetscCall(Differentiate(model, PETSC_FALSE, found->gradient));
   if (gradient->checks) {
     PetscCall(PetscCalloc1(count, &found->tangent));
-    PetscCall((gradient->method == MPM_GRADIENT_ADJOINT ? MpmTangentRun : MpmAdjointRun)(model, found->tangent));
+    PetscCall(Differentiate(model, PETSC_TRUE, found->tangent));
   }
+  if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS); /* no derivatives */
   found->count = count;
-  PetscCall(MpmTapeFinish(model, &gradient->tape));
+  if (gradient->kind) PetscCall((*gradient->kind->finish)(model));
+  else PetscCall(MpmTapeFinish(model, &gradient->tape));
   PetscCall(MpmMonitorNote(&model->monitor, "objective %.10g", (double)found->objective));
   for (PetscInt k = 0; k < count; k++)
     PetscCall(MpmMonitorNote(&model->monitor, "derivative by %s: %.10g", found->names[k], (double)found->gradient[k]));

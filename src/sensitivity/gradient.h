@@ -10,6 +10,15 @@
 
 typedef enum { MPM_GRADIENT_ADJOINT, MPM_GRADIENT_TANGENT } MpmGradientMethod;
 
+/* How a kind of scene is differentiated; NULL in their place: a scene on a grid. */
+typedef struct {
+  PetscErrorCode (*check)(MpmModel model);                            /* refuses what has no derivative */
+  PetscErrorCode (*add_columns)(MpmModel model, MpmColumns *columns); /* of the history */
+  PetscErrorCode (*record)(MpmModel model);                      /* keeps the state at the start, and after each step */
+  PetscErrorCode (*find[2])(MpmModel model, PetscReal values[]); /* the gradient, by MpmGradientMethod */
+  PetscErrorCode (*finish)(MpmModel model);                      /* frees the states */
+} MpmGradientKind;
+
 /*
   State from which steps are differentiated, and its derivatives: that after the scene's set-up, or after the geostatic
   stage that comes first. `rows` of the curves, up to that state, are not of steps.
@@ -22,22 +31,25 @@ typedef struct {
 } MpmGradientStart;
 
 struct MpmGradient {
-  MpmGradientMethod  method;
-  PetscBool          checks; /* both methods are compared, and differences */
-  MpmSceneParameters parameters;
-  MpmObjectives      objectives;
-  MpmTape            tape;
-  MpmGradientStart   start;
-  PetscReal         *curves; /* values of each objective's column: by step, its start first */
-  PetscInt           rows;   /* steps so far, and the start */
-  PetscReal         *times;
-  PetscReal         *weights; /* derivatives of the objectives' sum by these values */
-  PetscReal         *slopes;  /* derivatives of the values by parameter k: [(k*rows + n)*objectives + o]; tangent */
+  const MpmGradientKind *kind;
+  MpmGradientMethod      method;
+  PetscBool              checks; /* both methods are compared, and differences */
+  MpmSceneParameters     parameters;
+  MpmObjectives          objectives;
+  MpmTape                tape;
+  MpmGradientStart       start;
+  PetscReal             *curves; /* values of each objective's column: by step, its start first */
+  PetscInt               rows;   /* steps so far, and the start */
+  PetscReal             *times;
+  PetscReal             *weights; /* derivatives of the objectives' sum by these values */
+  PetscReal             *slopes;  /* derivatives of the values by parameter k: [(k*rows + n)*objectives + o]; tangent */
 };
 
 /* Reads -mpm_task and its blocks, behind the other blocks of the scene; refuses a scene with parts that have no
    derivative. */
-PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options, const MpmGradientKind *kind);
+/* The columns that the history will have. */
+PetscErrorCode MpmGradientAddColumns(MpmModel model, MpmColumns *columns);
 PetscErrorCode MpmGradientDestroy(MpmGradient **gradient);
 /* Fails where the scene has a part without derivatives (differentiable.c). */
 PetscErrorCode MpmGradientCheckScene(const MpmModel model);

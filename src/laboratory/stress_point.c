@@ -21,7 +21,8 @@
 #include "point/material.h"
 #include "point/registry.h"
 #include "point/stress_inversion.h"
-#include "point/stress_point.h"
+#include "laboratory/stress_point.h"
+#include "laboratory/stress_point_impl.h"
 
 const char *const MpmStressMeasures[] = {"cauchy", "kirchhoff", NULL};
 
@@ -32,90 +33,21 @@ const char *const MpmStressMeasures[] = {"cauchy", "kirchhoff", NULL};
 #define STALLED      1e-10 /* of the stress: a residual below this at which a line search stagnates is rounding too */
 #define STRESS_MET   1e-8  /* relative: tolerance of the stress at the start */
 
-static PetscBool IsSmallStrain(const MpmStressPoint *point)
-{
-  return (PetscBool)((point->material->info.traits & MPM_LAW_SMALL_STRAIN) != 0);
-}
-
-/* C = A B, n x n */
-static void Multiply(PetscInt n, const PetscReal A[], const PetscReal B[], PetscReal C[])
-{
-  for (PetscInt i = 0; i < n; i++) {
-    for (PetscInt j = 0; j < n; j++) {
-      C[i * n + j] = 0.;
-      for (PetscInt k = 0; k < n; k++) C[i * n + j] += A[i * n + k] * B[k * n + j];
-    }
-  }
-}
-
-/* A^{-1}, n x n, for det A not 0. */
-static void Invert(PetscInt n, const PetscReal A[], PetscReal inverse[])
-{
-  PetscReal       cofactor[9];
-  const PetscReal J = MpmCofactors(n * n, A, cofactor);
-
-  for (PetscInt i = 0; i < n; i++)
-    for (PetscInt j = 0; j < n; j++) inverse[i * n + j] = cofactor[j * n + i] / J;
-}
-
-/* The block of a 3 x 3 matrix that the model's dimension has. */
-static void Block(PetscInt n, const PetscReal full[9], PetscReal block[])
-{
-  for (PetscInt i = 0; i < n; i++)
-    for (PetscInt j = 0; j < n; j++) block[i * n + j] = full[3 * i + j];
-}
-
-/* ---- the law ---- */
-
-/* A step of the law: start and result. */
-typedef struct {
-  PetscReal F_n[9], F_n_inverse[9]; /* in all, n x n; and of the stretch since the start */
-  PetscReal dF[9], H[9];
-} Increment;
-
-/* The increment from the state now to the deformation F since the start; PETSC_FALSE where it turns inside out. */
-static PetscBool MakeIncrement(const MpmStressPoint *point, const PetscReal F[9], Increment *increment)
-{
-  const PetscInt n = point->dim;
-  PetscReal      start[9], now[9], next[9];
-
-  Block(n, F, next);
-  Block(n, point->now.F, now);
-  Block(n, point->F_start, start);
-  Multiply(n, now, start, increment->F_n);
-  Invert(n, now, increment->F_n_inverse);
-  Multiply(n, next, increment->F_n_inverse, increment->dF);
-  for (PetscInt k = 0; k < n * n; k++) increment->H[k] = increment->dF[k] - (k % (n + 1) ? 0. : 1.);
-  return (PetscBool)(MpmDeterminant(n * n, next) > 0.);
-}
-
-static MpmKernelPoint KernelPoint(const MpmStressPoint *point, const Increment *increment)
-{
-  return (MpmKernelPoint){.material.parameter = point->material->parameter,
-                          .state_n            = point->now.history,
-                          .F_n                = increment->F_n,
-                          .volume0            = 1.,
-                          .dt                 = point->dt,
-                          .material.traits    = point->material->info.traits,
-                          .material.law       = point->material->law,
-                          .material.table     = point->material->table};
-}
-
 /* Stress in its measure, six components; history unless `history` is NULL. PETSC_FALSE where the law has no answer. */
 static PetscBool FindStress(const MpmStressPoint *point, const PetscReal F[9], PetscReal stress[MPM_SPACE_SYM],
                             PetscReal history[])
 {
-  Increment      increment;
-  MpmKernelPoint at;
-  PetscReal      flux[9], F_next[9], sym[MPM_SPACE_SYM] = {0.}, J;
+  MpmPointIncrement increment;
+  MpmKernelPoint    at;
+  PetscReal         flux[9], F_next[9], sym[MPM_SPACE_SYM] = {0.}, J;
 
-  if (!MakeIncrement(point, F, &increment)) return PETSC_FALSE;
-  at            = KernelPoint(point, &increment);
+  if (!MpmPointIncrementFind(point, F, &increment)) return PETSC_FALSE;
+  at            = MpmPointKernel(point, &increment);
   at.end.state  = history;
   at.end.F      = F_next;
   at.end.stress = sym;
   if (point->kernel.residual(&at, increment.H, flux)) return PETSC_FALSE;
-  J = point->stress_measure == MPM_STRESS_CAUCHY || IsSmallStrain(point)
+  J = point->stress_measure == MPM_STRESS_CAUCHY || MpmPointIsSmallStrain(point)
         ? 1.
         : MpmDeterminant(point->dim * point->dim, F_next);
   for (PetscInt s = 0; s < MPM_SPACE_SYM; s++) {
@@ -126,16 +58,16 @@ static PetscBool FindStress(const MpmStressPoint *point, const PetscReal F[9], P
 }
 
 /* One column of the Jacobian: the stress' derivative by one strain, from P and its derivative by dF. */
-static void Column(const MpmStressPoint *point, const Increment *increment, const PetscReal P[],
+static void Column(const MpmStressPoint *point, const MpmPointIncrement *increment, const PetscReal P[],
                    const PetscReal tangent[], const PetscReal change[], PetscReal column[9])
 {
   const PetscInt  n     = point->dim;
-  const PetscBool small = IsSmallStrain(point);
+  const PetscBool small = MpmPointIsSmallStrain(point);
   PetscReal       A[9], tau[9], cofactor[9], J, dJ = 0., dP[9] = {0.};
 
   for (PetscInt k = 0; k < n * n; k++)
     for (PetscInt l = 0; l < n * n; l++) dP[k] += tangent[k * n * n + l] * change[l];
-  if (small) Invert(n, increment->F_n, A);
+  if (small) MpmMatrixInvert(n, increment->F_n, A);
   else PetscArraycpy(A, increment->dF, 9);
   for (PetscInt i = 0; i < n; i++) {
     for (PetscInt j = 0; j < n; j++) {
@@ -198,22 +130,22 @@ static PetscErrorCode FormFunction(SNES snes, Vec x, Vec f, void *ctx)
 /* Rank 0: entries of the Jacobian at a strain; none where the law has no answer, as it had none for the residual. */
 static PetscErrorCode FillJacobian(const MpmStressPoint *point, const PetscReal strain[MPM_SPACE_SYM], Mat matrix)
 {
-  const PetscInt n = point->dim;
-  PetscReal      F[9], P[9], tangent[81], block[9], change[9], column[9];
-  Increment      increment;
-  MpmKernelPoint at;
+  const PetscInt    n = point->dim;
+  PetscReal         F[9], P[9], tangent[81], block[9], change[9], column[9];
+  MpmPointIncrement increment;
+  MpmKernelPoint    at;
 
   PetscFunctionBeginUser;
   PetscCall(MpmStretchFromStrain(point->strain_measure, strain, F));
-  if (!MakeIncrement(point, F, &increment)) PetscFunctionReturn(PETSC_SUCCESS);
-  at = KernelPoint(point, &increment);
+  if (!MpmPointIncrementFind(point, F, &increment)) PetscFunctionReturn(PETSC_SUCCESS);
+  at = MpmPointKernel(point, &increment);
   if (point->kernel.tangent(&at, increment.H, P, tangent)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < point->equations.count; k++) {
     PetscReal derivative[9];
 
     PetscCall(MpmStretchDerivative(point->strain_measure, strain, point->equations.unknown[k], derivative));
-    Block(n, derivative, block);
-    Multiply(n, block, increment.F_n_inverse, change);
+    MpmMatrixBlock(n, derivative, block);
+    MpmMatrixMultiply(n, block, increment.F_n_inverse, change);
     Column(point, &increment, P, tangent, change, column);
     for (PetscInt l = 0; l < point->equations.count; l++) {
       const PetscInt *pair = MpmSpacePairs[point->equations.unknown[l]];
@@ -412,9 +344,10 @@ PetscErrorCode MpmStressPointDestroy(MpmStressPoint *point)
 static int FindStart(const MpmStressPoint *point, const MpmInitial *initial, const PetscReal stress[MPM_SPACE_SYM],
                      PetscReal reached[MPM_SPACE_SYM], PetscReal F[9])
 {
-  const PetscBool kirchhoff = (PetscBool)(point->stress_measure == MPM_STRESS_KIRCHHOFF && !IsSmallStrain(point));
-  PetscReal       rest[MPM_INITIAL_STATE], J = 1., J_before;
-  PetscInt        turns = 0;
+  const PetscBool kirchhoff =
+    (PetscBool)(point->stress_measure == MPM_STRESS_KIRCHHOFF && !MpmPointIsSmallStrain(point));
+  PetscReal rest[MPM_INITIAL_STATE], J = 1., J_before;
+  PetscInt  turns = 0;
 
   MpmMaterialStateAtRest(point->material, point->dim, rest);
   do {
@@ -504,6 +437,15 @@ static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, MpmOutcome *o
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The states of the step's end and its start. */
+static void ChangePlaces(MpmStressPoint *point)
+{
+  const MpmPointState swap = point->now;
+
+  point->now  = point->next;
+  point->next = swap;
+}
+
 PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *control, PetscReal dt,
                                   MpmOutcome *outcome)
 {
@@ -526,13 +468,17 @@ PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *
     PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_NO_ANSWER, "the law has no answer"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(PetscArraycpy(point->rate_before, point->rate, MPM_SPACE_SYM));
   for (PetscInt k = 0; k < MPM_SPACE_SYM; k++)
     point->rate[k] = dt > 0. ? (point->next.strain[k] - point->now.strain[k]) / dt : 0.;
-  {
-    const MpmPointState swap = point->now;
+  ChangePlaces(point);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    point->now  = point->next;
-    point->next = swap;
-  }
+PetscErrorCode MpmStressPointRollBack(MpmStressPoint *point)
+{
+  PetscFunctionBeginUser;
+  ChangePlaces(point);
+  PetscCall(PetscArraycpy(point->rate, point->rate_before, MPM_SPACE_SYM));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -18,7 +18,7 @@
 #include <strings.h>
 #include "options/options.h"
 #include "io/csv_table.h"
-#include "point/point_path.h"
+#include "laboratory/point_path.h"
 
 const char *const MpmPathTypes[] = {"isotropic",          "oedometer",       "triaxial_drained",
                                     "triaxial_undrained", "biaxial_drained", "biaxial_undrained",
@@ -30,7 +30,7 @@ static const char *const component[] = {"xx", "yy", "zz", "xy", "yz", "xz"};
 
 #define SAME_STRAIN 1e-12 /* how near the first row of a table must be to the start */
 #define SAME_STRESS 1e-6  /* relative */
-#define SAME_END    1e-9  /* relative: an `end` beside a table and its last row */
+#define SAME_END    1e-9  /* relative: an `end` beside a table and its last row; ends of steps of several tests */
 
 /* ---- tables ---- */
 
@@ -290,12 +290,32 @@ void MpmPointPathAt(const MpmPointPath *path, PetscReal time, MpmPointControl *c
   }
 }
 
-PetscInt MpmPointPathSteps(const MpmPointPath *path, PetscInt row)
+/* Into how many steps the time from a row to the next is divided. */
+static PetscInt Steps(const MpmPointPath *path, PetscInt row)
 {
   const PetscReal whole = path->time[path->rows - 1] - path->time[0];
   const PetscReal steps = (PetscReal)path->steps * (path->time[row + 1] - path->time[row]) / whole;
 
   return PetscMax(1, (PetscInt)PetscCeilReal(steps * (1. - 1e-9)));
+}
+
+PetscReal MpmPointPathTarget(const MpmPointPath *path, PetscReal time, PetscReal *length)
+{
+  PetscInt  row = 0, steps;
+  PetscReal begin, end, step;
+
+  while (row + 2 < path->rows && path->time[row + 1] <= time) row++;
+  begin   = path->time[row];
+  end     = path->time[row + 1];
+  steps   = Steps(path, row);
+  step    = (end - begin) / (PetscReal)steps;
+  *length = step;
+  for (PetscInt k = PetscMax(1, (PetscInt)((time - begin) / step)); k < steps; k++) {
+    const PetscReal target = begin + (end - begin) * (PetscReal)k / (PetscReal)steps;
+
+    if (target > time + SAME_END * step) return target;
+  }
+  return end;
 }
 
 PetscErrorCode MpmPointPathDestroy(MpmPointPath *path)

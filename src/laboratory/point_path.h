@@ -8,7 +8,7 @@
   Order of calls: MpmPointPathRead(), MpmPointPathBegin(), MpmPointPathAt(), MpmPointPathDestroy().
 */
 #include "base/types.h"
-#include "point/stress_point.h"
+#include "laboratory/stress_point.h"
 
 typedef enum {
   MPM_PATH_ISOTROPIC,
@@ -33,12 +33,12 @@ typedef struct {
   char            *file;         /* of a table */
 } MpmPointPath;
 
-/* The path of the block mpm_point_: path, end, steps, table. Collective. */
+/* The path of a block: path, end, steps, table. Collective. */
 PetscErrorCode MpmPointPathRead(const MpmOptions *block, PetscInt dim, MpmStrainMeasure measure, MpmPointPath *path);
 /* Once the stress at the start is known, which is where the path begins: a table must begin there too. */
 PetscErrorCode MpmPointPathBegin(const MpmOptions *block, MpmPointPath *path, const PetscReal stress[MPM_SPACE_SYM]);
 /* Prescribed values at a time. */
 void MpmPointPathAt(const MpmPointPath *path, PetscReal time, MpmPointControl *control);
-/* Into how many steps the time from a row to the next is divided. */
-PetscInt       MpmPointPathSteps(const MpmPointPath *path, PetscInt row);
+/* The end of the step after a time before the path's end, and how long steps are there. */
+PetscReal      MpmPointPathTarget(const MpmPointPath *path, PetscReal time, PetscReal *length);
 PetscErrorCode MpmPointPathDestroy(MpmPointPath *path);

@@ -55,9 +55,10 @@ typedef struct {
   PetscReal          F_start[9]; /* the deformation that carries the stress at the start; I where the history does */
   MpmPointState      now, next;
   PetscReal          rate[MPM_SPACE_SYM]; /* of the strain in the last step, 1/s */
-  PetscReal          stiffness;           /* of the law, Pa */
-  MpmPointControl    control;             /* of the step under way */
-  PetscReal          dt;                  /* s */
+  PetscReal          rate_before[MPM_SPACE_SYM];
+  PetscReal          stiffness; /* of the law, Pa */
+  MpmPointControl    control;   /* of the step under way */
+  PetscReal          dt;        /* s */
   MpmPointEquations  equations;
 } MpmStressPoint;
 
@@ -96,4 +97,6 @@ PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress
 @*/
 PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *control, PetscReal dt,
                                   MpmOutcome *outcome);
+/* Rolls the last step back, once. */
+PetscErrorCode MpmStressPointRollBack(MpmStressPoint *point);
 PetscErrorCode MpmStressPointDestroy(MpmStressPoint *point);
