@@ -8,12 +8,11 @@
 #include "base/columns.h"
 #include "options/options.h"
 #include "options/record.h"
-#include "point/material.h"
-#include "loads/load.h"
 #include "observe/history.h"
 #include "observe/results.h"
 #include "sensitivity/gradient.h"
 #include "inverse/inverse.h"
+#include "inverse/parameter_option.h"
 
 #define LARGEST   1e-3 /* changes, in parts of the parameter, from here on */
 #define CHANGES   6    /* each a tenth of the one before */
@@ -22,33 +21,6 @@
 /* Parts of the objective over the parameter that rounding leaves: of derivatives of zero, and of their differences */
 #define ROUNDING_EXACT      1e-12
 #define ROUNDING_DIFFERENCE 1e-8
-
-/* Sets the option of a parameter to so many times its value, or back to the scene's. */
-PetscErrorCode MpmParameterSet(MpmModel model, const MpmSceneParameter *parameter, PetscReal factor)
-{
-  char name[PETSC_MAX_OPTION_NAME], value[512];
-
-  PetscFunctionBeginUser;
-  if (parameter->kind == MPM_OF_LAW) {
-    const MpmMaterial *material = &model->scene.materials->at[parameter->index];
-
-    PetscCall(PetscSNPrintf(name, sizeof(name), "-mpm_material_%s_%s", model->scene.materials->names[parameter->index],
-                            material->info.parameters[parameter->place].name));
-    PetscCall(PetscSNPrintf(value, sizeof(value), "%.17g", factor * parameter->value));
-  } else {
-    const MpmLoad *load   = &model->scene.loads->at[parameter->index];
-    size_t         length = 0;
-
-    PetscCall(PetscSNPrintf(name, sizeof(name), "-mpm_load_%s_value", load->name));
-    for (PetscInt a = 0; a < model->disc.dim; a++) {
-      PetscCall(PetscSNPrintf(&value[length], sizeof(value) - length, "%s%.17g", a ? "," : "",
-                              (double)(factor * load->value[a])));
-      PetscCall(PetscStrlen(value, &length));
-    }
-  }
-  PetscCall(PetscOptionsSetValue(NULL, name, value));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* All steps of a model, of given lengths; `objective` is not a number where the run gave up. */
 static PetscErrorCode RunAlong(MpmModel model, PetscInt rows, const PetscReal times[], PetscReal *objective)

@@ -8,12 +8,11 @@
 #include "model/build.h"
 #include "inverse/inverse.h"
 
-/* Derivatives of the steps that have been taken. */
-static PetscErrorCode Differentiate(MpmModel model)
+/* Derivatives, and what the task compares them with. */
+static PetscErrorCode Derive(MpmModel model)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmGradientFindStart(model));
-  if (!model->caller.outcome.code) PetscCall(MpmGradientFind(model));
+  PetscCall(MpmDifferentiate(model));
   PetscCall(MpmGradientCheck(model));
   if (model->caller.outcome.code) PetscCall(MpmTerminalWarn(model, "%s", model->caller.outcome.text));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -25,7 +24,7 @@ static PetscErrorCode Run(MpmModel model)
 
   PetscFunctionBeginUser;
   PetscCall(MpmModelRunSteps(model, &interrupted));
-  if (!interrupted && !model->caller.outcome.code) PetscCall(Differentiate(model));
+  if (!interrupted && !model->caller.outcome.code) PetscCall(Derive(model));
   PetscCall(MpmModelRunEnd(model, interrupted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -33,6 +32,7 @@ static PetscErrorCode Run(MpmModel model)
 PetscErrorCode MpmModelRun(MpmModel model, int *status)
 {
   PetscFunctionBeginUser;
+  if (model->gradient && model->gradient->inverse.on) PetscFunctionReturn(MpmInverseRun(model, status));
   PetscCall(MpmModelSetUp(model));
   PetscCheck(!model->results->history, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the model has been run");
   PetscCall(MpmFolderMake(model->comm, model->scene.name.prefix));

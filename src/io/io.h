@@ -200,6 +200,7 @@ typedef struct MpmSummary {
     char *const     *names;
     const PetscReal *values; /* derivatives of the objective */
     PetscReal        objective;
+    const char      *inverse; /* JSON; NULL: the task is no inverse analysis */
   } derivatives;
   PetscInt  changes[MPM_CHANGE_COUNT]; /* of settings that the run has made by itself */
   PetscReal memory_max;                /* bytes, sum over ranks of each rank's maximum resident size */

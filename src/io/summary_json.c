@@ -71,6 +71,8 @@ static PetscErrorCode AppendDerivatives(MpmTextFile *text, const MpmSummary *sum
   const PetscInt count = summary->derivatives.count;
 
   PetscFunctionBeginUser;
+  if (summary->derivatives.inverse)
+    PetscCall(MpmTextFileAppend(text, "  \"inverse\": %s,\n", summary->derivatives.inverse));
   if (!count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(
     MpmTextFileAppend(text, "  \"objective\": %.17g,\n  \"parameters\": [", (double)summary->derivatives.objective));

@@ -120,7 +120,8 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                             .derivatives              = {.count     = model->results->derivatives.count,
                                                          .names     = model->results->derivatives.names,
                                                          .values    = model->results->derivatives.gradient,
-                                                         .objective = model->results->derivatives.objective}};
+                                                         .objective = model->results->derivatives.objective,
+                                                         .inverse   = model->results->derivatives.inverse}};
   char           path[PETSC_MAX_PATH_LEN];
   PetscLogDouble now;
 

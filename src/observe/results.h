@@ -102,11 +102,12 @@ typedef struct {
 
 /* Derivatives of a number of the run, for the summary; `count` 0: none were asked for. */
 typedef struct {
-  PetscInt   count;
-  char     **names; /* of the parameters, borrowed */
-  PetscReal *gradient;
-  PetscReal *tangent; /* by the other method, where both are compared; or NULL */
-  PetscReal  objective;
+  PetscInt    count;
+  char      **names; /* of the parameters, borrowed */
+  PetscReal  *gradient;
+  PetscReal  *tangent; /* by the other method, where both are compared; or NULL */
+  PetscReal   objective;
+  const char *inverse; /* results of an inverse analysis as JSON, borrowed, or NULL */
 } MpmDerivatives;
 
 struct MpmResults {

@@ -20,12 +20,13 @@ static const char *const names[] = {
 #include "mpm_petsc_options.h"
   NULL};
 
-/* Of the gradient's solver, and of solvers within solvers, with a level's number or a field's name behind. */
+/* Of the gradient's solver, the inverse analysis, and solvers within solvers, with a level's number or a field's name
+   behind. */
 static const char *const prefixes[] = {
-  "coarse_",    "deflation_", "esteig_",       "fas_coarse_", "fas_levels_", "gradient_",  "fieldsplit_",
-  "galerkin_",  "inner_",     "ksp_",          "levels_",     "lsc_",        "mg_coarse_", "mg_fine_",
-  "mg_levels_", "mpi_",       "npc_",          "pc_bddc_",    "pc_hpddm_",   "redundant_", "sub_",
-  "telescope_", "upper_",     "redistribute_", "hmg_",        "linesearch_"};
+  "coarse_",     "deflation_", "esteig_", "fas_coarse_",   "fas_levels_", "gradient_",  "inverse_",
+  "fieldsplit_", "galerkin_",  "inner_",  "ksp_",          "levels_",     "lsc_",       "mg_coarse_",
+  "mg_fine_",    "mg_levels_", "mpi_",    "npc_",          "pc_bddc_",    "pc_hpddm_",  "redundant_",
+  "sub_",        "telescope_", "upper_",  "redistribute_", "hmg_",        "linesearch_"};
 
 /* True where the name is that of the list, in which % is a number. */
 static PetscBool IsAlike(const char listed[], const char name[])

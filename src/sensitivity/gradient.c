@@ -33,7 +33,28 @@ static PetscErrorCode ReadBlocks(MpmModel model, const MpmOptions *options, MpmG
                            MpmTapeStoreKinds, MPM_OPTIONAL, &store, NULL));
   gradient->tape.states.kind = (MpmTapeStoreKind)store;
   PetscCall(MpmSceneParametersRead(model, options, &gradient->parameters));
-  PetscCall(MpmObjectivesRead(model, options, &gradient->objectives));
+  PetscCall(MpmParameterRangesRead(options, &gradient->parameters, &gradient->ranges));
+  PetscCall(MpmObjectivesRead(options, model->state.period.run_end, &gradient->objectives));
+  PetscCall(MpmInverseSettingsRead(options, &gradient->inverse));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Blocks that the task needs. */
+static PetscErrorCode CheckBlocks(const MpmGradient *gradient, const char task[])
+{
+  const MpmInverseSettings *inverse = &gradient->inverse;
+
+  PetscFunctionBeginUser;
+  MpmCheckInput(gradient->parameters.count, "-mpm_parameters is missing: -mpm_task %s needs parameters", task);
+  MpmCheckInput(gradient->objectives.asked, "-mpm_objectives is missing: -mpm_task %s needs objectives", task);
+  for (PetscInt k = 0; inverse->on && k < gradient->objectives.asked; k++)
+    MpmCheckInput(gradient->objectives.at[k].kind == MPM_OBJECTIVE_MISFIT || inverse->method != MPM_GAUSS_NEWTON,
+                  "-mpm_objective_%s_kind value: -mpm_inverse_method gauss_newton fits data, a value is none",
+                  gradient->objectives.at[k].name);
+  for (PetscInt k = 0; inverse->on && inverse->starts > 1 && k < gradient->ranges.count; k++)
+    MpmCheckInput(gradient->ranges.at[k].upper < PETSC_INFINITY && gradient->ranges.at[k].lower > PETSC_NINFINITY,
+                  "-mpm_parameter_%s_bounds is missing: -mpm_inverse_starts %d are made between bounds",
+                  gradient->ranges.at[k].name, (int)inverse->starts);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -60,23 +81,23 @@ static PetscErrorCode FindColumns(MpmModel model)
 
 PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options, const MpmGradientKind *kind)
 {
-  static const char *const tasks[] = {"run", "gradient", "check_gradient", NULL};
+  static const char *const tasks[] = {"run", "gradient", "check_gradient", "inverse", NULL};
   PetscInt                 task    = 0;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsWord(
     options, "task",
     "run: the steps; gradient: also the derivatives of objectives by parameters; check_gradient: also by both "
-    "methods and by differences of changed runs",
+    "methods and by differences of changed runs; inverse: parameters from data",
     tasks, MPM_OPTIONAL, &task, NULL));
   if (!task && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscNew(&model->gradient));
-  model->gradient->kind   = kind;
-  model->gradient->checks = (PetscBool)(task == 2);
+  model->gradient->kind       = kind;
+  model->gradient->checks     = (PetscBool)(task == 2);
+  model->gradient->inverse.on = (PetscBool)(task == 3);
   PetscCall(ReadBlocks(model, options, model->gradient));
   if (MpmOptionsHelp()) PetscFunctionReturn(MpmGradientDestroy(&model->gradient));
-  MpmCheckInput(model->gradient->parameters.count, "-mpm_parameters is missing: -mpm_task gradient needs parameters");
-  MpmCheckInput(model->gradient->objectives.count, "-mpm_objectives is missing: -mpm_task gradient needs objectives");
+  PetscCall(CheckBlocks(model->gradient, tasks[task]));
   PetscCall((kind ? kind->check : MpmGradientCheckScene)(model));
   if (!kind) model->disc.grid->balance = PETSC_INFINITY; /* replayed steps have the numbers of their nodes */
   PetscCall(FindColumns(model));
@@ -87,6 +108,7 @@ PetscErrorCode MpmGradientDestroy(MpmGradient **gradient)
 {
   PetscFunctionBeginUser;
   if (!*gradient) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParameterRangesDestroy(&(*gradient)->ranges));
   PetscCall(MpmObjectivesDestroy(&(*gradient)->objectives));
   PetscCall(MpmTapeDestroy(&(*gradient)->tape));
   PetscCall(PetscFree((*gradient)->curves));
@@ -172,25 +194,21 @@ PetscErrorCode MpmGradientStage(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The objectives, their sum, and its derivatives by the columns' values. */
+MpmCurves MpmGradientCurves(const MpmGradient *gradient)
+{
+  return (MpmCurves){gradient->rows, gradient->objectives.count, gradient->times, gradient->curves};
+}
+
+/* The objectives' sum, and its derivatives by the columns' values. */
 PetscErrorCode MpmGradientEvaluate(MpmModel model, PetscReal *objective)
 {
-  MpmGradient   *gradient = model->gradient;
-  const PetscInt count = gradient->objectives.count, rows = gradient->rows;
-  PetscReal     *values, one;
+  MpmGradient    *gradient = model->gradient;
+  const MpmCurves curves   = MpmGradientCurves(gradient);
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(rows, &values));
   PetscCall(PetscFree(gradient->weights));
-  PetscCall(PetscMalloc1((rows * count), &gradient->weights));
-  *objective = 0.;
-  for (PetscInt o = 0; o < count; o++) {
-    for (PetscInt n = 0; n < rows; n++) values[n] = gradient->curves[n * count + o];
-    PetscCall(MpmObjectiveEvaluate(&gradient->objectives.at[o], &(MpmCurve){rows, gradient->times, values}, &one,
-                                   &gradient->weights[o * rows]));
-    *objective += one;
-  }
-  PetscCall(PetscFree(values));
+  PetscCall(PetscMalloc1((curves.rows * curves.count), &gradient->weights));
+  PetscCall(MpmObjectivesEvaluate(&gradient->objectives, &curves, objective, gradient->weights));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,7 +4,10 @@
 */
 #include "query/model.h"
 #include "query/point_vector.h"
+#include "sensitivity/inverse_settings.h"
+#include "sensitivity/measurement.h"
 #include "sensitivity/objective.h"
+#include "sensitivity/parameter_range.h"
 #include "sensitivity/parameters.h"
 #include "sensitivity/tape.h"
 
@@ -34,7 +37,9 @@ struct MpmGradient {
   const MpmGradientKind *kind;
   MpmGradientMethod      method;
   PetscBool              checks; /* both methods are compared, and differences */
+  MpmInverseSettings     inverse;
   MpmSceneParameters     parameters;
+  MpmParameterRanges     ranges;
   MpmObjectives          objectives;
   MpmTape                tape;
   MpmGradientStart       start;
@@ -64,6 +69,8 @@ PetscErrorCode MpmGradientRecord(MpmModel model);
 /* A stage has begun. */
 PetscErrorCode MpmGradientStage(MpmModel model);
 PetscErrorCode MpmGradientFind(MpmModel model);
+/* The columns as they have been collected, borrowed. */
+MpmCurves MpmGradientCurves(const MpmGradient *gradient);
 /* Sums the slopes with the objectives' weights: the gradient of a method that fills them. */
 void MpmGradientSumSlopes(const MpmGradient *gradient, PetscReal values[]);
 /* Collect: the objectives' columns as they are now. Evaluate: the sum of the objectives of what has been collected. */

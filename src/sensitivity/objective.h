@@ -7,11 +7,16 @@
 #include "io/csv_table.h"
 #include "talus/talus.h"
 
-typedef enum { MPM_OBJECTIVE_MISFIT, MPM_OBJECTIVE_VALUE } MpmObjectiveKind;
+typedef enum {
+  MPM_OBJECTIVE_MISFIT,
+  MPM_OBJECTIVE_VALUE,
+  MPM_OBJECTIVE_PREDICTION, /* last value of a column, no part of the objective */
+  MPM_OBJECTIVE_ABSCISSA    /* column that data of another objective are over, no part of the objective */
+} MpmObjectiveKind;
 
 /*
-  One objective. Misfit: 1/2 sum_k ((y(t_k) - d_k)/deviation)^2 over the data, y linear in time between the steps, or
-  the same of the last value and a target.
+  One objective. Misfit: 1/2 sum_k ((y(x_k) - d_k)/deviation)^2 over the data, y linear between the steps, x the time or
+  another column; or the same of the last value and a target.
 */
 typedef struct {
   char            *name, *column;
@@ -19,27 +24,28 @@ typedef struct {
   PetscReal        deviation; /* in the column's unit */
   PetscBool        at_end;
   PetscReal        target;
+  char            *over;       /* column of the abscissa; NULL: the time */
+  PetscInt         over_curve; /* its place among the objectives, -1: the time */
   MpmCsvTable      data;
-  PetscInt         time, value; /* columns of the data */
-  PetscInt         row, part;   /* of the history's columns */
+  PetscInt         place, value, spread; /* columns of the data: abscissa, value, deviation a row or -1 */
+  PetscInt         row, part;            /* of the history's columns */
 } MpmObjective;
 
+/* Those asked for, then predictions and abscissae. */
 typedef struct {
-  PetscInt      count;
-  char        **names;
+  PetscInt      count, asked, predicted;
+  char        **names, **predictions;
   MpmObjective *at;
 } MpmObjectives;
 
-/* A column's values over a run, at the times of its steps. */
+/* The objectives' columns over a run, after each step, the start first. */
 typedef struct {
-  PetscInt         count;
-  const PetscReal *time, *value;
-} MpmCurve;
+  PetscInt         rows, count;
+  const PetscReal *time, *value; /* value[row*count + o] */
+} MpmCurves;
 
-PetscErrorCode MpmObjectivesRead(MpmModel model, const MpmOptions *options, MpmObjectives *objectives);
+/* `end`: time of the run's, which data do not pass; 0: not known yet. */
+PetscErrorCode MpmObjectivesRead(const MpmOptions *options, PetscReal end, MpmObjectives *objectives);
 PetscErrorCode MpmObjectivesDestroy(MpmObjectives *objectives);
 /* The column of each among these; refuses one without derivatives. */
 PetscErrorCode MpmObjectivesFind(const MpmColumns *columns, MpmObjectives *objectives);
-/* The objective, and its derivatives by the curve's values. */
-PetscErrorCode MpmObjectiveEvaluate(const MpmObjective *objective, const MpmCurve *curve, PetscReal *value,
-                                    PetscReal weight[]);

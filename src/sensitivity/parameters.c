@@ -86,7 +86,7 @@ static PetscErrorCode Resolve(MpmModel model, MpmSceneParameter *parameter)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Add(MpmModel model, const char name[], MpmSceneParameters *parameters)
+static PetscErrorCode Add(MpmModel model, const char name[], const char *block, MpmSceneParameters *parameters)
 {
   MpmSceneParameter *parameter;
 
@@ -97,7 +97,21 @@ static PetscErrorCode Add(MpmModel model, const char name[], MpmSceneParameters 
   parameter = &parameters->at[parameters->count++];
   PetscCall(PetscMemzero(parameter, sizeof(*parameter)));
   PetscCall(PetscStrallocpy(name, &parameter->name));
+  PetscCall(PetscStrallocpy(block, &parameter->block));
   PetscCall(Resolve(model, parameter));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Names at commas, of one block or of the short form. */
+static PetscErrorCode AddNames(MpmModel model, const char text[], const char *block, MpmSceneParameters *parameters)
+{
+  PetscInt count;
+  char   **names;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmTextSplit(text, &count, &names));
+  for (PetscInt k = 0; k < count; k++) PetscCall(Add(model, names[k], block, parameters));
+  PetscCall(MpmNamesDestroy(count, &names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -105,18 +119,13 @@ static PetscErrorCode Add(MpmModel model, const char name[], MpmSceneParameters 
 static PetscErrorCode ReadShort(MpmModel model, const MpmOptions *options, MpmSceneParameters *parameters)
 {
   const MpmOptions block = {options->comm, "mpm_gradient_", options->record};
-  char            *text, **words;
-  int              count = 0;
+  char            *text;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsText(&block, "parameters",
                            "short form of -mpm_parameters: what results are differentiated by, NAME.KEY,...", NULL,
                            MPM_OPTIONAL, &text));
-  if (text && !MpmOptionsHelp()) {
-    PetscCall(PetscStrToArray(text, ',', &count, &words));
-    for (int k = 0; k < count; k++) PetscCall(Add(model, words[k] + strspn(words[k], " "), parameters));
-    PetscCall(PetscStrToArrayDestroy(count, words));
-  }
+  if (text && !MpmOptionsHelp()) PetscCall(AddNames(model, text, NULL, parameters));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -138,9 +147,9 @@ PetscErrorCode MpmSceneParametersRead(MpmModel model, const MpmOptions *options,
     PetscCall(
       MpmOptionsText(&block, "of",
                      "NAME.KEY: a number of a law, soil.E, or the factor of a load, tip.factor; material_soil.E "
-                     "where several blocks have the name",
+                     "where several blocks have the name; several, at commas: one number for all of them",
                      NULL, MPM_REQUIRED, &of));
-    if (!MpmOptionsHelp()) PetscCall(Add(model, of, parameters));
+    if (!MpmOptionsHelp()) PetscCall(AddNames(model, of, names[k], parameters));
     PetscCall(PetscFree(of));
   }
   PetscCall(MpmNamesDestroy(count, &names));
@@ -151,7 +160,10 @@ PetscErrorCode MpmSceneParametersRead(MpmModel model, const MpmOptions *options,
 PetscErrorCode MpmSceneParametersDestroy(MpmSceneParameters *parameters)
 {
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < parameters->count; k++) PetscCall(PetscFree(parameters->at[k].name));
+  for (PetscInt k = 0; k < parameters->count; k++) {
+    PetscCall(PetscFree(parameters->at[k].name));
+    PetscCall(PetscFree(parameters->at[k].block));
+  }
   PetscCall(PetscFree(parameters->at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

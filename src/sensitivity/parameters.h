@@ -10,7 +10,8 @@ typedef enum { MPM_OF_LAW, MPM_OF_LOAD } MpmSceneParameterKind;
 
 /* One number. */
 typedef struct {
-  char                 *name; /* "soil.E" */
+  char                 *name;  /* "soil.E" */
+  char                 *block; /* of the list -mpm_parameters; NULL: of the short form */
   MpmSceneParameterKind kind;
   PetscInt              index;   /* of the material or load */
   PetscInt              place;   /* in the law's parameter table */

@@ -1,0 +1,14 @@
+#pragma once
+/*
+  Results of an inverse analysis.
+*/
+#include "inverse/analysis.h"
+#include "inverse/statistics.h"
+
+/* The block `inverse` of the summary, as JSON text to be freed; `statistics` may be NULL. */
+PetscErrorCode MpmInverseText(const MpmInverse *inverse, const MpmStatistics *statistics, char **text);
+/* PREFIX_jacobian.csv and PREFIX_residuals.csv, rank 0. */
+PetscErrorCode MpmInverseWriteJacobian(const MpmInverse *inverse);
+PetscErrorCode MpmInverseWriteResiduals(const MpmInverse *inverse);
+/* Parameters, intervals and combinations that are not told, on the terminal. */
+PetscErrorCode MpmInversePrint(const MpmInverse *inverse, const MpmStatistics *statistics);

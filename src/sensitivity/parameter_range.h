@@ -1,0 +1,38 @@
+#pragma once
+/*
+  Parameters of an inverse analysis: numbers of a scene with bounds, a prior and a transform.
+
+  The analysis works with t, the transformed value of p: t = p, t = ln p, or t = ln((p - a)/(b - p)) between bounds a
+  and b. One parameter may stand for several numbers of the scene, which are equal.
+*/
+#include "base/base.h"
+#include "options/options.h"
+#include "sensitivity/parameters.h"
+
+typedef enum { MPM_TRANSFORM_NONE, MPM_TRANSFORM_LOG, MPM_TRANSFORM_LOGIT } MpmTransform;
+
+typedef struct {
+  char        *name; /* of its block, or of the number where it has none */
+  MpmTransform transform;
+  PetscReal    lower, upper; /* of p; infinite without bounds */
+  PetscReal    start;
+  PetscBool    has_prior;
+  PetscReal    prior, deviation; /* most likely p, standard deviation of t */
+  PetscInt     count, *of;       /* numbers of the scene: among the MpmSceneParameters */
+} MpmParameterRange;
+
+typedef struct {
+  PetscInt           count;
+  MpmParameterRange *at;
+} MpmParameterRanges;
+
+/* Reads transforms and bounds of the blocks of -mpm_parameters, once the parameters are there. */
+PetscErrorCode MpmParameterRangesRead(const MpmOptions *options, const MpmSceneParameters *parameters,
+                                      MpmParameterRanges *ranges);
+PetscErrorCode MpmParameterRangesDestroy(MpmParameterRanges *ranges);
+
+/* t of p, p of t, and dp/dt. Bounds of t: infinite where there are none. */
+PetscReal MpmRangeTransform(const MpmParameterRange *range, PetscReal value);
+PetscReal MpmRangeValue(const MpmParameterRange *range, PetscReal transformed);
+PetscReal MpmRangeSlope(const MpmParameterRange *range, PetscReal transformed);
+void      MpmRangeBounds(const MpmParameterRange *range, PetscReal *lower, PetscReal *upper);
