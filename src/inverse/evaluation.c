@@ -37,7 +37,7 @@ static PetscErrorCode TakeSteps(MpmModel model, PetscBool *interrupted)
   PetscCall(MpmModelSetUp(model));
   PetscCall(MpmGradientAddColumns(model, &model->results->columns));
   MpmModelCall(model, MpmGradientBegin(model));
-  if (!model->gradient->kind) PetscCall(MpmGradientCollect(model));
+  PetscCall(MpmGradientCollect(model));
   while (status == MPM_RUNNING) {
     PetscCall(MpmModelStep(model, &status));
     if (status == MPM_GAVE_UP) break;

@@ -76,6 +76,21 @@ static PetscErrorCode ReadTests(const MpmOptions *options, const char *const mat
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* All tests end at one time. */
+static PetscErrorCode CheckEnds(const MpmLaboratory *laboratory)
+{
+  const PetscReal first = MpmPointPathEnd(&laboratory->tests[0].path);
+
+  PetscFunctionBeginUser;
+  for (PetscInt t = 1; t < laboratory->count && !MpmOptionsHelp(); t++) {
+    const PetscReal end = MpmPointPathEnd(&laboratory->tests[t].path);
+
+    MpmCheckInput(end == first, "-mpm_tests: test %s ends at time %g, and test %s at %g: must end at one time",
+                  laboratory->tests[0].name, (double)first, laboratory->tests[t].name, (double)end);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmLaboratoryRead(MpmModel model, const MpmOptions *options, PetscInt dim)
 {
   MpmMaterials *materials = model->scene.materials;
@@ -104,6 +119,8 @@ PetscErrorCode MpmLaboratoryRead(MpmModel model, const MpmOptions *options, Pets
   }
   PetscCall(MpmOptionsHeading(options, "Point"));
   PetscCall(ReadTests(options, names, model->laboratory));
+  PetscCall(CheckEnds(model->laboratory));
+  model->state.period.run_end = MpmPointPathEnd(&model->laboratory->tests[0].path);
   PetscCall(PetscFree(names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -226,6 +226,11 @@ PetscErrorCode MpmPointPathRead(const MpmOptions *block, PetscInt dim, MpmStrain
 
 /* ---- following it ---- */
 
+PetscReal MpmPointPathEnd(const MpmPointPath *path)
+{
+  return path->rows ? path->time[path->rows - 1] : 1.;
+}
+
 PetscErrorCode MpmPointPathBegin(const MpmOptions *block, MpmPointPath *path, const PetscReal stress[MPM_SPACE_SYM])
 {
   char      text[2][MPM_NUMBER_TEXT];

@@ -35,6 +35,8 @@ typedef struct {
 
 /* The path of a block: path, end, steps, table. Collective. */
 PetscErrorCode MpmPointPathRead(const MpmOptions *block, PetscInt dim, MpmStrainMeasure measure, MpmPointPath *path);
+/* The time at which it ends. */
+PetscReal MpmPointPathEnd(const MpmPointPath *path);
 /* Once the stress at the start is known, which is where the path begins: a table must begin there too. */
 PetscErrorCode MpmPointPathBegin(const MpmOptions *block, MpmPointPath *path, const PetscReal stress[MPM_SPACE_SYM]);
 /* Prescribed values at a time. */

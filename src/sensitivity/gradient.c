@@ -147,21 +147,11 @@ PetscErrorCode MpmGradientCollect(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The start, or a step, of a scene that is none on a grid. */
-static PetscErrorCode RecordKind(MpmModel model)
-{
-  PetscFunctionBeginUser;
-  if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmGradientCollect(model));
-  PetscCall((*model->gradient->kind->record)(model));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmGradientBegin(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
-  if (model->gradient->kind) PetscFunctionReturn(RecordKind(model));
+  if (model->gradient->kind) PetscFunctionReturn((*model->gradient->kind->record)(model));
   model->gradient->start.rows    = 1;
   model->gradient->start.differs = MpmGradientStartDiffers(model);
   PetscCall(MpmTapeBegin(model, &model->gradient->tape));
@@ -174,10 +164,10 @@ PetscErrorCode MpmGradientRecord(MpmModel model)
 
   PetscFunctionBeginUser;
   if (!gradient) PetscFunctionReturn(PETSC_SUCCESS);
-  if (gradient->kind) PetscFunctionReturn(RecordKind(model));
-  PetscCall(MpmGradientCheckRun(model, &model->caller.outcome));
+  if (!gradient->kind) PetscCall(MpmGradientCheckRun(model, &model->caller.outcome));
   if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGradientCollect(model));
+  if (gradient->kind) PetscFunctionReturn((*gradient->kind->record)(model));
   if (model->scene.stages.at[model->state.stage].geostatic.method == MPM_GEOSTATIC_NONE)
     PetscCall(MpmTapeRecord(model, gradient->rows - 1, &gradient->tape));
   else {
