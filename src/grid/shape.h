@@ -125,3 +125,7 @@ typedef struct {
   PetscInt  edge_lower, edge_upper;
 } MpmRadialPlace;
 void MpmShapeAverageByVolume(MpmShapeType type, MpmEdgeType edge, const MpmRadialPlace *at, const MpmShapeLine *line);
+/* The way back; and what the average by volume adds to the derivatives of such a line, MpmShapeDifferentiate(). */
+void MpmShapeAverageByLength(MpmShapeType type, MpmEdgeType edge, const MpmRadialPlace *at, const MpmShapeLine *line);
+void MpmShapeVolumeSlopes(MpmShapeType type, MpmEdgeType edge, const MpmRadialPlace *at, const MpmShapeLine *line,
+                          const MpmShapeSlopes *slopes);

@@ -2,7 +2,8 @@
   Derivatives of a point's basis functions.
 
   Weights are products of lines by axis, w_x w_y w_z, and gradients have one line of derivatives g in place of w. By the
-  place on an axis its line w becomes g, and g the bend dg/dx; by the half-length both become their own derivatives.
+  place on an axis its line w becomes dw/dx, and g the bend dg/dx; by the half-length both become their own derivatives.
+  dw/dx = g unless, with axial symmetry, g along the radius is an average by volume (grid/shape_radial.c).
 
   The half-length on axis a is l_a U_aa/h_a, U = sqrt(F^T F), unless a wall, an edge of the grid or the longest domain
   clips it. With C = F^T F and U dU + dU U = dC, in the principal axes q of U with stretches s,
@@ -26,6 +27,7 @@ PetscErrorCode MpmPointSlopesCreate(const MpmSpace *space, MpmPointSlopes *slope
   slopes->space = space;
   slopes->width = space->width;
   PetscCall(PetscMalloc3(size, &slopes->bend, size, &slopes->weight, size, &slopes->gradient));
+  PetscCall(PetscMalloc1(size, &slopes->by_place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -33,6 +35,7 @@ PetscErrorCode MpmPointSlopesDestroy(MpmPointSlopes *slopes)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree3(slopes->bend, slopes->weight, slopes->gradient));
+  PetscCall(PetscFree(slopes->by_place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -51,6 +54,8 @@ static PetscErrorCode StretchSlopes(PetscInt dim, const PetscReal F[], PetscReal
   }
   LAPACKsyev_("V", "U", &n, q, &n, square, work, &room, &info);
   PetscCheck(!info && square[0] > 0., PETSC_COMM_SELF, PETSC_ERR_FP, "a point has no stretch");
+  for (PetscInt a = 0; a < dim; a++)
+    for (PetscInt k = 0; k < MPM_F_MAX; k++) by_F[a][k] = 0.;
   for (PetscInt a = 0; a < dim; a++) {
     PetscReal by_C[MPM_F_MAX] = {0.}; /* d U_aa / d C; principal axis k stands in q[k * dim] */
 
@@ -105,10 +110,20 @@ static void LengthSlopes(const MpmRules *rules, const MpmPoints *points, PetscIn
     const PetscBool longest = (PetscBool)(rules->longest > 0. && half[a] >= rules->longest);
 
     slopes->length_by_place[a] = clipped ? (below < above ? 1. : -1.) / grid->h[a] : 0.;
-    for (PetscInt k = 0; k < dim * dim; k++)
+    for (PetscInt k = 0; k < MPM_F_MAX; k++)
       slopes->length_by_F[a][k] = clipped || longest ? 0. : slopes->stretch_by_F[a][k];
     slopes->length_by_start[a] = clipped || longest ? 0. : slopes->stretched[a];
   }
+}
+
+/* A point on the axis itself keeps the radius that it is given. */
+static void FindHoop(const MpmPoints *points, PetscInt p, MpmPointSlopes *slopes)
+{
+  const MpmSpace *space = slopes->space;
+  const PetscReal hoop  = space->shapes.at[0].hoop ? space->shapes.at[0].hoop[p] : 0.;
+
+  slopes->hoop[0] = hoop;
+  slopes->hoop[1] = hoop * points->x[p * space->dim] < 0.5 ? 0. : -hoop * hoop;
 }
 
 PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points, const MpmGroup *group, PetscInt point,
@@ -122,6 +137,7 @@ PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points
   PetscFunctionBeginUser;
   slopes->point  = point;
   slopes->domain = (PetscBool)(space->shapes.half != NULL);
+  FindHoop(points, point, slopes);
   MpmSpaceEdges(rules, &points->x[point * dim], lower, upper);
   MpmSpaceGroupAt(space, group, first);
   for (PetscInt a = 0; a < dim; a++) {
@@ -133,9 +149,15 @@ PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points
                               slopes->domain ? space->shapes.half[point * dim + a] : 0., lower[a], upper[a]};
     const MpmShapeSlopes by = {&slopes->bend[to], &slopes->weight[to], &slopes->gradient[to]};
 
+    const MpmRadialPlace round  = {at.xi, at.half_length, points->x[point * dim + a] / grid->h[a], lower[a], upper[a]};
+    const PetscBool      radial = (PetscBool)(grid->axial && !a);
+
     for (PetscInt i = 0; i < group->count[a]; i++) gradient[i] = space->shapes.at[0].gradient[line + i] * grid->h[a];
+    if (radial) MpmShapeAverageByLength(rules->shape, rules->edge, &round, &here);
     MpmShapeDifferentiate(rules->shape, rules->edge, &at, &here, &by);
+    if (radial) MpmShapeVolumeSlopes(rules->shape, rules->edge, &round, &here, &by);
     for (PetscInt i = 0; i < group->count[a]; i++) {
+      slopes->by_place[to + i] = gradient[i] / grid->h[a];
       by.bend[i] /= grid->h[a] * grid->h[a];
       by.gradient_by_length[i] /= grid->h[a];
     }
@@ -145,17 +167,30 @@ PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Derivatives of the weights over the radius, from those of the weights; 0 without axial symmetry. */
+static void HoopSlopes(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
+                       const MpmBasis *basis)
+{
+  const MpmSpace *space = slopes->space;
+  const MpmLines  w     = MpmPointLines(space->dim, space, space->shapes.at[0].weight, slopes->point, &MpmLineOne);
+  PetscReal      *hoop = basis->basis[MPM_HOOP_BASIS], by = kind == MPM_BY_PLACE && !axis ? slopes->hoop[1] : 0.;
+  PetscInt        n = 0;
+
+  for (PetscInt j = 0; j < group->count[1]; j++)
+    for (PetscInt k = 0; k < group->count[0]; k++, n++)
+      hoop[n] = slopes->hoop[0] * basis->basis[0][n] + by * w.along[0][k] * w.along[1][j];
+}
+
 void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
                          const MpmBasis *basis)
 {
-  const MpmSpace  *space = slopes->space;
-  const PetscInt   dim = space->dim, W = slopes->width, here = (slopes->point * dim + axis) * W;
-  MpmLines         w        = MpmPointLines(dim, space, space->shapes.at[0].weight, slopes->point, &MpmLineOne);
-  MpmLines         g        = MpmPointLines(dim, space, space->shapes.at[0].gradient, slopes->point, &MpmLineZero);
-  const PetscReal *gradient = &space->shapes.at[0].gradient[here];
-  PetscInt         n        = 0;
+  const MpmSpace *space = slopes->space;
+  const PetscInt  dim = space->dim, W = slopes->width;
+  MpmLines        w = MpmPointLines(dim, space, space->shapes.at[0].weight, slopes->point, &MpmLineOne);
+  MpmLines        g = MpmPointLines(dim, space, space->shapes.at[0].gradient, slopes->point, &MpmLineZero);
+  PetscInt        n = 0;
 
-  w.along[axis] = kind == MPM_BY_PLACE ? gradient : &slopes->weight[axis * W];
+  w.along[axis] = kind == MPM_BY_PLACE ? &slopes->by_place[axis * W] : &slopes->weight[axis * W];
   g.along[axis] = kind == MPM_BY_PLACE ? &slopes->bend[axis * W] : &slopes->gradient[axis * W];
   for (PetscInt l = 0; l < group->count[2]; l++) {
     for (PetscInt j = 0; j < group->count[1]; j++) {
@@ -169,13 +204,14 @@ void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, Mp
       }
     }
   }
+  if (dim < MPM_MAX_DIM) HoopSlopes(slopes, group, kind, axis, basis);
 }
 
 PetscReal MpmPointSlopesWeight(const MpmPointSlopes *slopes, PetscInt axis, PetscInt i, MpmSlopeKind kind)
 {
-  const PetscInt W = slopes->width, here = (slopes->point * slopes->space->dim + axis) * W;
+  const PetscInt W = slopes->width;
 
-  return kind == MPM_BY_PLACE ? slopes->space->shapes.at[0].gradient[here + i] : slopes->weight[axis * W + i];
+  return kind == MPM_BY_PLACE ? slopes->by_place[axis * W + i] : slopes->weight[axis * W + i];
 }
 
 void MpmPointSlopesAlong(const MpmPointSlopes *slopes, PetscInt F_size, const PetscReal dx[], const PetscReal dF[],

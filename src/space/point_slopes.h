@@ -23,11 +23,13 @@ typedef struct {
   PetscReal       stretched[MPM_MAX_DIM];               /* half-length before it is clipped, cells */
   PetscReal       length_by_start[MPM_MAX_DIM];         /* by the relative change of the initial half-length, cells */
   PetscReal      *bend, *weight, *gradient;             /* bend: 1/m2; by half-length: 1/cell and 1/(m cell) */
+  PetscReal      *by_place;                             /* of the weights, 1/m */
+  PetscReal       hoop[2]; /* 1/radius, 1/m, and its derivative by the place; 0 without axial symmetry */
 } MpmPointSlopes;
 
 PetscErrorCode MpmPointSlopesCreate(const MpmSpace *space, MpmPointSlopes *slopes);
 PetscErrorCode MpmPointSlopesDestroy(MpmPointSlopes *slopes);
-/* Of a point of a group, for a space of one shape without smoothing, in Cartesian axes. */
+/* Of a point of a group, for a space of one shape without smoothing. */
 PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points, const MpmGroup *group, PetscInt point,
                                   MpmPointSlopes *slopes);
 /*

@@ -82,3 +82,15 @@ with Test() as test:
         ends = [differentiate(test, beam, "beam.nu", "track_tip_ux", mpm_material_beam_nu=repr(0.2 * (1 + step)),
                               **{**coarse, **options})[0] for step in (-1e-5, 1e-5)]
         test.near(f"{label}.differences", ways[0][1], (ends[1] - ends[0]) / 0.4e-5, relative=1e-6)
+
+    # axial symmetry: weights over the radius, gradients averaged by volume
+    round_block, strengths = Path(__file__).with_name("round_block.yaml"), (2e6, 25e3, 1, 1)
+    for shape in ("gimp", "bspline2"):
+        options = {"mpm_shape": shape}
+        _, gradient = agree(test, f"axial.{shape}", round_block, "soil.E,soil.yield_stress,weight.factor,top.factor",
+                            "track_corner_ux", **options)
+        parts = gradient * strengths
+        test.near(f"axial.{shape}.scaling", parts.sum(), 0.0, absolute=1e-9 * abs(parts).max())
+        ends = [differentiate(test, round_block, "soil.E", "track_corner_ux", mpm_material_soil_yield_stress=repr(25e3 * (1 + step)),
+                              **options)[0] for step in (-1e-5, 1e-5)]
+        test.near(f"axial.{shape}.differences", gradient[1], (ends[1] - ends[0]) / 0.5, relative=1e-6)
