@@ -138,6 +138,14 @@ static void AddPairRun(const PetscInt bs, PetscReal *row, PetscInt width, PetscI
   }
 }
 
+/* True where a node has no rows: those in a box's margin have no places for all columns. */
+static PetscBool IsZero(PetscInt bs, const PetscReal left[], const PetscReal right[])
+{
+  for (PetscInt r = 0; r < bs; r++)
+    if (left[r] != 0. || right[r] != 0.) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 void MpmPatternAddPair(MpmPattern *pattern, const MpmSpace *space, const MpmGroup *box, PetscReal a[], PetscReal b[],
                        PetscReal c[])
 {
@@ -158,7 +166,7 @@ void MpmPatternAddPair(MpmPattern *pattern, const MpmSpace *space, const MpmGrou
   for (PetscInt k = 0; constraints->any && k < n * bs; k++)
     if (nodes[k / bs] >= 0 && !MpmConstraintsCounts(constraints, nodes[k / bs] * bs + k % bs)) a[k] = b[k] = c[k] = 0.;
   for (PetscInt i = 0; i < n; i++) {
-    if (nodes[i] < 0) continue;
+    if (nodes[i] < 0 || IsZero(bs, &a[i * bs], &b[i * bs])) continue;
     const PetscInt *slot  = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
     const PetscInt  width = (pattern->row[nodes[i] + 1] - pattern->row[nodes[i]]) * bs;
 

@@ -42,6 +42,17 @@ PetscInt *MpmPatternSlot(const MpmPattern *pattern, const MpmSpace *space, Petsc
   return pattern->slot[row * pattern->window + at] < 0 ? NULL : &pattern->slot[row * pattern->window + at];
 }
 
+/* True where a box's node lies in its margin. */
+static PetscBool IsInMargin(const MpmGroup *group, PetscInt i)
+{
+  const PetscInt *count              = group->count;
+  const PetscInt  place[MPM_MAX_DIM] = {i % count[0], i / count[0] % count[1], i / (count[0] * count[1])};
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    if (place[a] < group->margin[a] || place[a] >= count[a] - group->margin[a]) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Marks the entries that this rank's groups touch: slot 0 where there is one, -1 elsewhere. */
 static PetscErrorCode MarkEntries(MpmPattern *pattern, const MpmSpace *space)
 {
@@ -60,8 +71,10 @@ static PetscErrorCode MarkEntries(MpmPattern *pattern, const MpmSpace *space)
     for (PetscInt i = 0; i < group->node_count; i++) {
       PetscInt *slot = &pattern->slot[nodes[i] * pattern->window + center - offset[i]];
 
+      const PetscBool outer = (PetscBool)(group->margin[0] && IsInMargin(group, i));
+
       for (PetscInt j = 0; nodes[i] >= 0 && j < group->node_count; j++)
-        if (nodes[j] >= 0) slot[offset[j]] = 0;
+        if (nodes[j] >= 0 && !(outer && IsInMargin(group, j))) slot[offset[j]] = 0;
     }
   }
   PetscCall(PetscFree(offset));

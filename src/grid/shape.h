@@ -117,6 +117,25 @@ void MpmShapeDifferentiate(MpmShapeType type, MpmEdgeType edge, const MpmShapePl
 void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
                   PetscInt edge_upper, const MpmShapeLine *line);
 /*
+  The cells of an axis that a point's domain lies in, low to high, and the part of the domain in cell c of these, with
+  its derivatives by the place and by the half-length, in cells, unless `slope` is NULL. Parts add up to 1.
+*/
+void MpmShapeCells(PetscReal xi, PetscReal half_length, PetscInt edge_lower, PetscInt edge_upper, PetscInt *low,
+                   PetscInt *high);
+static inline PetscReal MpmShapePart(PetscInt c, PetscInt low, PetscInt high, PetscReal xi, PetscReal half_length,
+                                     PetscReal slope[])
+{
+  const PetscReal from = c == low ? xi - half_length : (PetscReal)c,
+                  to   = c == high ? xi + half_length : (PetscReal)(c + 1);
+  const PetscReal part = low == high ? 1. : (to - from) / (2. * half_length);
+
+  if (slope) {
+    slope[0] = low == high ? 0. : ((c == high) - (c == low)) / (2. * half_length);
+    slope[1] = low == high ? 0. : ((c == high) + (c == low) - 2. * part) / (2. * half_length);
+  }
+  return part;
+}
+/*
   With axial symmetry and domains, the derivative by the radius averaged by volume (shape_radial.c), in place of that
   over the length of the domain, of the line along the radius. `radius` is that of the point over h.
 */

@@ -29,21 +29,28 @@ static void AddNode(const MpmShapeLine *line, PetscInt node, PetscReal share)
   }
 }
 
+void MpmShapeCells(PetscReal xi, PetscReal half_length, PetscInt edge_lower, PetscInt edge_upper, PetscInt *low,
+                   PetscInt *high)
+{
+  const PetscReal reach = half_length * (1. - 2. * MPM_SHAPE_TOUCH);
+
+  *low  = PetscClipInterval((PetscInt)floor(xi - reach), edge_lower, edge_upper - 1);
+  *high = PetscClipInterval((PetscInt)ceil(xi + reach) - 1, *low, edge_upper - 1);
+  if (half_length <= MPM_SHAPE_POINT) *high = *low;
+}
+
 void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
                   PetscInt edge_upper, const MpmShapeLine *line)
 {
   static const MpmShapeType at_point[] = {MPM_SHAPE_LINEAR, MPM_SHAPE_LINEAR, MPM_SHAPE_BSPLINE2, MPM_SHAPE_BSPLINE3};
   const PetscInt            degree     = MpmShapeDegree(type);
-  const PetscReal           l = MpmShapeHasDomain(type) ? half_length : 0., reach = l * (1. - 2. * MPM_SHAPE_TOUCH);
-  const PetscReal           gauss = 0.25 / PetscSqrtReal(3.);
-  PetscInt                  low   = PetscClipInterval((PetscInt)floor(xi - reach), edge_lower, edge_upper - 1);
-  PetscInt                  high  = PetscClipInterval((PetscInt)ceil(xi + reach) - 1, low, edge_upper - 1);
+  const PetscReal           l = MpmShapeHasDomain(type) ? half_length : 0., gauss = 0.25 / PetscSqrtReal(3.);
+  PetscInt                  low, high;
 
-  if (l <= MPM_SHAPE_POINT) high = low;
+  MpmShapeCells(xi, l, edge_lower, edge_upper, &low, &high);
   for (PetscInt k = 0; k < line->count; k++) line->mean[k] = 0.;
   for (PetscInt c = low; c <= high; c++) {
-    const PetscReal from = c == low ? xi - l : (PetscReal)c, to = c == high ? xi + l : (PetscReal)(c + 1);
-    const PetscReal part = low == high ? 1. : (to - from) / (2. * l);
+    const PetscReal part = MpmShapePart(c, low, high, xi, l, NULL);
 
     if (degree == 1) {
       AddNode(line, c, 0.5 * part);

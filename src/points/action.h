@@ -2,7 +2,7 @@
 /*
   The Jacobian's action on a vector.
 */
-#include "points/cell_mean.h"
+#include "points/spread_mean.h"
 
 /*
   The Jacobian's action without a matrix. With `stored` each point keeps its tangent; otherwise one dual direction makes
@@ -18,12 +18,14 @@ typedef struct {
   PetscReal      *values, *dvalues, *force, *storage;
   MpmBasis        basis;
   MpmCellWork     cell;
+  MpmSpreadWork   spread; /* means by shares of domains; its tangents are always kept */
 } MpmAction;
 PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBool stored, MpmAction *action);
 PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscInt *failed);
-/* y += J du at the local nodes, of one unit of the points, or of all terms. */
+/* y += J du at the local nodes, of one unit of the points, of all points, or of all terms. */
 PetscErrorCode MpmActionApplyUnit(MpmAction *action, PetscInt unit, const PetscReal du[], PetscReal y[],
                                   PetscInt *failed);
+PetscErrorCode MpmActionApplyPoints(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed);
 PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed);
 /* y += J^T v of all terms: the points' kept tangents where there are some, element blocks otherwise. */
 PetscErrorCode MpmActionTranspose(MpmAction *action, const PetscReal v[], PetscReal y[], PetscInt *failed);

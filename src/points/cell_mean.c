@@ -10,6 +10,7 @@
 #include "space/kernel_point.h"
 #include "points/cell_mean.h"
 #include "points/point_term.h"
+#include "points/spread_mean.h"
 
 /* The box that holds the nodes of the groups of a cell. */
 static void BoxOfGroups(const MpmSpace *space, const MpmCell *cell, MpmGroup *box)
@@ -59,7 +60,7 @@ PetscErrorCode MpmCellsBoxes(void *ctx, const MpmRules *rules, const MpmPoints *
 
   PetscFunctionBeginUser;
   (void)ctx;
-  (void)rules;
+  if (rules->means == MPM_MEANS_SPREAD) PetscFunctionReturn(MpmSpreadBoxes(rules, points, space));
   space->cells.count = space->group_count ? space->groups[space->group_count - 1].cell + 1 : 0;
   PetscCall(PetscMalloc1(space->cells.count, &space->cells.at));
   for (PetscInt g = 0; g < space->group_count; g++) {

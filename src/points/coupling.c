@@ -11,6 +11,7 @@ PetscErrorCode MpmCouplingCreate(const MpmSum *sum, MpmCoupling *coupling)
   PetscFunctionBeginUser;
   PetscCall(MpmCellWorkCreate(sum, &coupling->cell));
   coupling->storage = NULL;
+  coupling->spread  = NULL;
   if (!sum->layout->means) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((6 * n), &coupling->storage));
   coupling->flux_by_mean = coupling->storage;

@@ -2,7 +2,7 @@
 /*
   Contribution of the mean over a cell to the points' tangents (coupling.c); none where the physics has no mean.
 */
-#include "points/cell_mean.h"
+#include "points/spread_mean.h"
 
 /*
   Coupling of the nodes of a cell through its mean m_bar, and f, the flux conjugate to it: one value for each
@@ -11,9 +11,10 @@
     K_cell += flux_by_mean mean_by_u^T + mean_by_u (f_by_u + f_by_mean mean_by_u)^T
 */
 typedef struct {
-  PetscReal  *flux_by_mean, *mean_by_u, *f_by_u, f_by_mean;
-  PetscReal  *part[3], *storage; /* those of one group, [c][i] */
-  MpmCellWork cell;
+  PetscReal           *flux_by_mean, *mean_by_u, *f_by_u, f_by_mean;
+  PetscReal           *part[3], *storage; /* those of one group, [c][i] */
+  MpmCellWork          cell;
+  const MpmSpreadWork *spread; /* means by shares of domains, whose coupling stands elsewhere; or NULL */
 } MpmCoupling;
 
 PetscErrorCode MpmCouplingCreate(const MpmSum *sum, MpmCoupling *coupling);

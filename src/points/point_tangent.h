@@ -24,6 +24,15 @@ MPM_INLINE PetscBool PointTangent(const MpmKnown known, const MpmSum *sum, Petsc
   MpmKernelPoint  point;
   PetscReal       input[MPM_MAX_INPUTS];
 
+  if (sum->layout->means && coupling->spread) {
+    const MpmSpreadWork *spread = coupling->spread;
+
+    MpmSumBasis(known, sum->space, p, weights, &work->basis);
+    at->flux    = &spread->flux[s * (known.inputs + 1)];
+    at->tangent = &spread->tangent[s * MpmTangentSize(sum->layout)];
+    at->basis   = work->basis;
+    return PETSC_TRUE;
+  }
   if (sum->layout->means) {
     const MpmCellPoint *made = &coupling->cell.point[s - coupling->cell.begin];
 

@@ -5,6 +5,7 @@
 #include "points/cell_mean.h"
 #include "points/point_term.h"
 #include "points/point_terms.h"
+#include "points/spread_mean.h"
 
 /* Displacements of the nodes, and the destination of the step's end, or NULL. */
 typedef struct {
@@ -42,9 +43,17 @@ MPM_INLINE PetscErrorCode ResidualGroup(const MpmKnown known, const PointsPass *
 PetscErrorCode MpmCellsTrial(const MpmSum *sum, const PetscReal u[], const MpmTrial *trial, PetscReal residual[],
                              PetscInt *failed)
 {
-  MpmCellWork work;
+  MpmCellWork   work;
+  MpmSpreadWork spread;
 
   PetscFunctionBeginUser;
+  if (sum->space->cells.spread) {
+    PetscCall(MpmSpreadWorkCreate(sum, PETSC_FALSE, &spread));
+    PetscCall(MpmSpreadEvaluate(&spread, u, trial, failed));
+    if (!*failed) PetscCall(MpmSpreadScatter(&spread, residual));
+    PetscCall(MpmSpreadWorkDestroy(&spread));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmCellWorkCreate(sum, &work));
   for (PetscInt c = 0; c < sum->space->cells.count; c++) {
     PetscCall(MpmCellResidual(sum, &sum->space->cells.at[c], u, trial, &work, failed));

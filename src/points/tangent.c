@@ -17,6 +17,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
 
   PetscFunctionBeginUser;
   (void)ctx;
+  if (space->cells.spread) PetscFunctionReturn(MpmSpreadTangent(sum, u, pattern, residual, failed));
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(MpmCouplingCreate(sum, &to.coupling));
   PetscCall(PetscMalloc2((most * most * bs * bs), &to.element, (most * bs * sum->layout->input.count), &to.rows));

@@ -7,6 +7,7 @@
 #include "space/unit.h"
 #include "assembly/terms.h"
 #include "points/action.h"
+#include "points/point_difference.h"
 #include "points/point_term.h"
 
 /* Central differences: the step that balances truncation and rounding for inputs of order one. */
@@ -26,6 +27,10 @@ PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBo
   action->dvalues = action->values + n * bs;
   action->force   = action->dvalues + n * bs;
   MpmBasisPlace(sum->space, n, action->force + n * bs, &action->basis);
+  if (sum->space->cells.spread) {
+    PetscCall(MpmSpreadWorkCreate(sum, PETSC_TRUE, &action->spread));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (stored)
     PetscCall(
       PetscMalloc1(((size_t)sum->space->point_count * (size_t)MpmTangentSize(sum->layout) + 1), &action->tangent));
@@ -42,6 +47,7 @@ PetscErrorCode MpmActionDestroy(MpmAction *action)
   PetscCall(PetscFree(action->tangent));
   PetscCall(PetscFree(action->mean_flux));
   PetscCall(MpmCellWorkDestroy(&action->cell));
+  if (action->spread.sum) PetscCall(MpmSpreadWorkDestroy(&action->spread));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -110,6 +116,7 @@ PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscIn
   PetscFunctionBeginUser;
   *failed = 0;
   PetscCall(PetscArraycpy(action->u, u, sum->space->local * sum->block));
+  if (action->spread.sum) PetscFunctionReturn(MpmSpreadEvaluate(&action->spread, u, NULL, failed));
   if (sum->layout->means) {
     for (PetscInt c = 0; c < sum->space->cells.count; c++) PetscCall(StoreCell(action, c, failed));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -135,9 +142,8 @@ static int WholeFlux(const MpmLayout *layout, const MpmKernelPoint *point, const
   return 0;
 }
 
-/* Its derivative along dinput, by central differences. */
-static int Difference(const MpmLayout *layout, const MpmKernelPoint *point, const PetscReal input[],
-                      const PetscReal dinput[], PetscReal f, PetscReal dflux[])
+int MpmPointDifference(const MpmLayout *layout, const MpmKernelPoint *point, const PetscReal input[],
+                       const PetscReal dinput[], PetscReal f, PetscReal dflux[])
 {
   const PetscInt N = layout->input.count + layout->means;
   PetscReal      forward[MPM_MAX_INPUTS], backward[MPM_MAX_INPUTS], shifted[MPM_MAX_INPUTS], size = 0.;
@@ -179,7 +185,7 @@ MPM_INLINE PetscErrorCode ApplyGroup(const MpmKnown known, MpmAction *action, co
 
       MpmSumInputs(known, sum->layout, action->values, &action->basis, input);
       MpmSumPoint(sum, p, &point);
-      if (action->differences ? Difference(sum->layout, &point, input, dinput, 0., dflux)
+      if (action->differences ? MpmPointDifference(sum->layout, &point, input, dinput, 0., dflux)
                               : sum->layout->kernel->direction(&point, input, dinput, flux, dflux)) {
         (*failed)++;
         continue;
@@ -229,7 +235,7 @@ static int ChangeByKernel(const MpmAction *action, PetscReal f, const MpmCellPoi
   const PetscInt   N      = layout->input.count;
   PetscReal        flux[MPM_MAX_INPUTS];
 
-  if (action->differences) return Difference(layout, &at->point, at->input, at->dinput, f, at->flux);
+  if (action->differences) return MpmPointDifference(layout, &at->point, at->input, at->dinput, f, at->flux);
   if (layout->kernel->direction(&at->point, at->input, at->dinput, flux, at->flux)) return 1;
   for (PetscInt k = 0; k < N; k++)
     for (PetscInt l = 0; l < N; l++) at->flux[k] += f * at->ddm[k * N + l] * at->dinput[l];
@@ -306,12 +312,28 @@ PetscErrorCode MpmActionApplyUnit(MpmAction *action, PetscInt unit, const PetscR
   return ActUnit(action, unit, PETSC_FALSE, du, y, failed);
 }
 
+/* The action, or its transpose, on all points. */
+static PetscErrorCode ActPoints(MpmAction *action, PetscBool transposed, const PetscReal du[], PetscReal y[],
+                                PetscInt *failed)
+{
+  PetscFunctionBeginUser;
+  if (action->spread.sum)
+    PetscFunctionReturn(MpmSpreadApply(&action->spread, transposed, action->differences, du, y, failed));
+  for (PetscInt unit = 0; unit < MpmUnitCount(action->sum); unit++)
+    PetscCall(ActUnit(action, unit, transposed, du, y, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmActionApplyPoints(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed)
+{
+  return ActPoints(action, PETSC_FALSE, du, y, failed);
+}
+
 PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed)
 {
   PetscFunctionBeginUser;
   *failed = 0;
-  for (PetscInt unit = 0; unit < MpmUnitCount(action->sum); unit++)
-    PetscCall(ActUnit(action, unit, PETSC_FALSE, du, y, failed));
+  PetscCall(ActPoints(action, PETSC_FALSE, du, y, failed));
   for (PetscInt k = 0; k < action->terms->count; k++)
     if (!action->terms->term[k]->points) PetscCall(MpmTermsApplyOne(action->terms, k, action->sum, action->u, du, y));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -320,13 +342,12 @@ PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal
 PetscErrorCode MpmActionTranspose(MpmAction *action, const PetscReal v[], PetscReal y[], PetscInt *failed)
 {
   const MpmTerms *terms = action->terms;
+  const PetscBool kept  = (PetscBool)(action->tangent || action->spread.sum);
 
   PetscFunctionBeginUser;
   *failed = 0;
-  for (PetscInt unit = 0; action->tangent && unit < MpmUnitCount(action->sum); unit++)
-    PetscCall(ActUnit(action, unit, PETSC_TRUE, v, y, failed));
+  if (kept) PetscCall(ActPoints(action, PETSC_TRUE, v, y, failed));
   for (PetscInt k = 0; k < terms->count; k++)
-    if (!terms->term[k]->points || !action->tangent)
-      PetscCall(MpmTermsTransposeOne(terms, k, action->sum, action->u, v, y));
+    if (!terms->term[k]->points || !kept) PetscCall(MpmTermsTransposeOne(terms, k, action->sum, action->u, v, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -48,6 +48,12 @@ PetscErrorCode MpmPointsDiagonal(const void *ctx, const MpmSum *sum, const Petsc
 
   PetscFunctionBeginUser;
   (void)ctx;
+  if (space->cells.spread) {
+    const MpmElementAction action  = {.blocks = blocks};
+    MpmPattern             pattern = {.block = sum->block, .dim = space->dim, .action = &action};
+
+    PetscFunctionReturn(MpmSpreadTangent(sum, u, &pattern, NULL, failed));
+  }
   PetscCall(MpmWorkspaceCreate(sum, &work));
   PetscCall(MpmCouplingCreate(sum, &to.coupling));
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {

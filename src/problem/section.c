@@ -27,7 +27,7 @@
 #include "space/point_loop.h"
 #include "space/unit.h"
 #include "bc/bc.h"
-#include "points/cell_mean.h"
+#include "points/spread_mean.h"
 #include "volume/volume.h"
 #include "problem/section_cut.h"
 
@@ -185,18 +185,23 @@ static void PointFlux(MpmCutPass *pass, const PetscReal values[], PetscInt p, co
 static void FindForces(MpmCutPass *pass, const MpmCutPlane *plane, const MpmGroup *group, const MpmCellWork *cell,
                        PetscReal values[])
 {
-  const MpmSum  *sum   = pass->sum;
-  const MpmKnown known = KnownGeneral(sum->layout, group);
+  const PetscBool whole = (PetscBool)(cell || pass->fluxes);
+  const MpmSum   *sum   = pass->sum;
+  const MpmKnown  known = KnownGeneral(sum->layout, group);
 
   for (PetscInt k = 0; k < known.n * known.block; k++) pass->force[k] = 0.;
-  if (!cell) MpmSumGather(known, sum, group, pass->by, values);
+  if (!whole) MpmSumGather(known, sum, group, pass->by, values);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s];
 
     if (!MpmCutIsChosen(plane, p)) continue;
     MpmSumBasis(known, sum->space, p, PETSC_TRUE, &pass->basis);
-    if (!cell) PointFlux(pass, values, p, known);
-    MpmSumAddFlux(known, sum->layout, &pass->basis, cell ? cell->point[s - cell->begin].flux : pass->flux, pass->force);
+    if (!whole) PointFlux(pass, values, p, known);
+    MpmSumAddFlux(known, sum->layout, &pass->basis,
+                  cell           ? cell->point[s - cell->begin].flux
+                  : pass->fluxes ? &pass->fluxes[s * (known.inputs + 1)]
+                                 : pass->flux,
+                  pass->force);
   }
 }
 
@@ -232,13 +237,20 @@ static PetscErrorCode AddUnit(MpmCutPass *pass, const MpmCell *unit, MpmCellWork
 
 static PetscErrorCode AddUnits(MpmCutPass *pass)
 {
-  const MpmSum *sum   = pass->sum;
-  PetscBool     means = (PetscBool)(sum->layout->means > 0);
+  const MpmSum *sum    = pass->sum;
+  PetscBool     means  = MpmSumHasCells(sum);
+  PetscInt      failed = 0;
   MpmWorkspace  work;
   MpmCellWork   cell;
+  MpmSpreadWork spread;
 
   PetscFunctionBeginUser;
   PetscCall(MpmWorkspaceCreate(sum, &work));
+  if (sum->space->cells.spread) {
+    PetscCall(MpmSpreadWorkCreate(sum, PETSC_FALSE, &spread));
+    PetscCall(MpmSpreadEvaluate(&spread, pass->by, NULL, &failed));
+    pass->fluxes = spread.flux;
+  }
   if (means) PetscCall(MpmCellWorkCreate(sum, &cell));
   for (PetscInt k = 0; k < MpmUnitCount(sum); k++) {
     const MpmCell unit = MpmUnitGroups(sum, k);
@@ -246,6 +258,8 @@ static PetscErrorCode AddUnits(MpmCutPass *pass)
     PetscCall(AddUnit(pass, &unit, means ? &cell : NULL, work.values));
   }
   if (means) PetscCall(MpmCellWorkDestroy(&cell));
+  if (pass->fluxes) PetscCall(MpmSpreadWorkDestroy(&spread));
+  pass->fluxes = NULL;
   PetscCall(PetscFree(work.storage));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -28,6 +28,7 @@ typedef struct {
   PetscInt              count;
   MpmCutPlane          *planes;
   PetscReal            *place, *ramp, *force, *storage;
+  const PetscReal      *fluxes; /* by place in the points' order, where they are made at once; or NULL */
   PetscReal             flux[MPM_MAX_INPUTS];
   MpmBasis              basis;
 } MpmCutPass;

@@ -127,9 +127,10 @@ typedef struct {
   PetscReal divide;     /* cells over which a point's domain is drawn before it is divided; 0: it never is */
   PetscBool divide_auto;
   PetscBool fbar, fbar_auto;
-  PetscBool fbar_plain; /* F-bar averages dilation by shear, too */
-  MpmPhysics  plain;    /* physics that F-bar has replaced, where surfaces need it */
-  const char *fbar_why; /* reason of the choice of `auto`, or NULL */
+  PetscBool fbar_plain;  /* F-bar averages dilation by shear, too */
+  PetscBool fbar_spread; /* its means are by shares of the points' domains */
+  MpmPhysics  plain;     /* physics that F-bar has replaced, where surfaces need it */
+  const char *fbar_why;  /* reason of the choice of `auto`, or NULL */
 } MpmStabilization;
 
 /* Title, for the log, and the prefix of all files of results. */

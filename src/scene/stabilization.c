@@ -35,9 +35,12 @@
 #include "scene/integrator_read.h"
 #include "scene/scene_read.h"
 
-/* Words for -mpm_stabilization_fbar; behind `auto` true and false in turn, and at last one more for true. */
-static const char *const fbar_words[] = {"auto", "true", "false", "yes", "no", "on", "off", "1", "0", "plain", NULL};
-#define FBAR_PLAIN 9
+/* Words for -mpm_stabilization_fbar; behind `auto` true and false in turn, and at last two more for
+   true. */
+static const char *const fbar_words[] = {"auto", "true", "false", "yes",   "no",     "on",
+                                         "off",  "1",    "0",     "plain", "spread", NULL};
+#define FBAR_PLAIN  9
+#define FBAR_SPREAD 10
 
 /* The share of its mean over pieces in the strain of a point. */
 static PetscErrorCode ReadSmooth(MpmModel model, const MpmOptions *block)
@@ -118,20 +121,24 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
                    "for none (cavity in sand expanded by a fifth, cells of an eighth of its radius: error of the "
                    "pressure 0.5 % with 0, 0.05 % with 0.1)",
                    MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.stabilization.interior, NULL));
-  PetscCall(MpmOptionsWord(&block, "fbar",
-                           "average the volume change over cells, against locking: auto (where a law flows "
-                           "plastically or nu is above 0.45, unless only one component of the displacement is free), "
-                           "true or false (factor of safety of a slope, 1.35 to 1.40 in publications: 1.52 without, "
-                           "1.37 with). In plane strain the dilation of mohr_coulomb by shear is left to each point; "
-                           "plain averages that, too (Nc of a footing, dilation = friction = 30 degrees, exact 30.1: "
-                           "29.0, 32.5 and rising with plain, 35.1 with false)",
-                           fbar_words, MPM_OPTIONAL, &word, NULL));
+  PetscCall(MpmOptionsWord(
+    &block, "fbar",
+    "average the volume change over cells, against locking: auto (where a law flows "
+    "plastically or nu is above 0.45, unless only one component of the displacement is free), "
+    "true or false (factor of safety of a slope, 1.35 to 1.40 in publications: 1.52 without, "
+    "1.37 with). In plane strain the dilation of mohr_coulomb by shear is left to each point; "
+    "plain averages that, too (Nc of a footing, dilation = friction = 30 degrees, exact 30.1: "
+    "29.0, 32.5 and rising with plain, 35.1 with false). spread is true with a point's domain in every cell that it "
+    "lies in by its share, so that results do not jump where a point changes its cell (shapes "
+    "with domains)",
+    fbar_words, MPM_OPTIONAL, &word, NULL));
   PetscCall(ReadSmooth(model, &block));
   PetscCall(ReadDivide(model, &block));
   PetscCall(MpmStabilityRead(&model->solver, options));
-  model->scene.stabilization.fbar_auto  = (PetscBool)(word == 0);
-  model->scene.stabilization.fbar       = (PetscBool)(word % 2 == 1);
-  model->scene.stabilization.fbar_plain = (PetscBool)(word == FBAR_PLAIN);
+  model->scene.stabilization.fbar_auto   = (PetscBool)(word == 0);
+  model->scene.stabilization.fbar        = (PetscBool)(word % 2 == 1 || word == FBAR_SPREAD);
+  model->scene.stabilization.fbar_plain  = (PetscBool)(word == FBAR_PLAIN);
+  model->scene.stabilization.fbar_spread = (PetscBool)(word == FBAR_SPREAD);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -254,8 +261,12 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
   PetscCall(SettleDivide(model));
   if (model->scene.stabilization.fbar_auto && physics.fbar) PetscCall(ChooseFbar(model));
   MpmCheckInput(physics.fbar || !model->scene.stabilization.fbar,
-                "-mpm_stabilization_fbar true: not available for physics %s, must be auto or false",
-                model->scene.physics.name);
+                "-mpm_stabilization_fbar %s: not available for physics %s, must be auto or false",
+                model->scene.stabilization.fbar_spread ? "spread" : "true", model->scene.physics.name);
+  MpmCheckInput(!model->scene.stabilization.fbar_spread || MpmShapeHasDomain(model->scene.shape.type),
+                "-mpm_stabilization_fbar spread: must be auto, true, false or plain with -mpm_shape %s, whose points "
+                "have no domains",
+                MpmShapeTypes[model->scene.shape.type]);
   if (!model->scene.stabilization.fbar) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmPhysicsCreate(physics.fbar, &model->scene.physics, &found));
   PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics %s is not compiled in", physics.fbar);
@@ -297,10 +308,11 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
     PetscCall(PetscSNPrintf(divide, sizeof(divide), "; points divided over %g cells%s",
                             (double)model->scene.stabilization.divide,
                             model->scene.stabilization.divide_auto ? " (auto)" : ""));
-  PetscCall(PetscSNPrintf(text, length, "%s%s%s; F-bar %s%s%s%s%s%s", cuts, ghost, interior,
-                          model->state.rescue.dilation      ? "on but for dilation"
-                          : model->scene.stabilization.fbar ? "on"
-                                                            : "off",
+  PetscCall(PetscSNPrintf(text, length, "%s%s%s; F-bar %s%s%s%s%s%s%s", cuts, ghost, interior,
+                          !model->scene.stabilization.fbar         ? "off"
+                          : model->scene.stabilization.fbar_spread ? "spread"
+                                                                   : "on",
+                          model->state.rescue.dilation ? " but for dilation" : "",
                           model->scene.stabilization.fbar_why ? " (auto: " : "",
                           model->scene.stabilization.fbar_why ? model->scene.stabilization.fbar_why : "",
                           model->scene.stabilization.fbar_why ? ")" : "", smooth, divide));

@@ -70,3 +70,10 @@ PetscErrorCode MpmCellsPullSolution(const MpmStepMap *map, const MpmPointVector 
                                     PetscReal u[]);
 PetscErrorCode MpmCellsPullStart(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
                                  MpmPointVector *start, PetscReal gradient[]);
+/* Likewise where means are by shares of the points' domains (spread_map.c). */
+PetscErrorCode MpmSpreadAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[],
+                              MpmPointVector *end);
+PetscErrorCode MpmSpreadPullSolution(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
+                                     PetscReal u[]);
+PetscErrorCode MpmSpreadPullStart(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
+                                  MpmPointVector *start, PetscReal gradient[]);

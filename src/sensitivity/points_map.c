@@ -79,6 +79,7 @@ PetscErrorCode MpmPointsAlong(const MpmStepMap *map, const MpmStepDirection *dir
   MpmPointWork    work;
 
   PetscFunctionBeginUser;
+  if (space->cells.spread) PetscFunctionReturn(MpmSpreadAlong(map, direction, residual, end));
   if (sum->layout->means) PetscFunctionReturn(MpmCellsAlong(map, direction, residual, end));
   PetscCall(MpmPointWorkCreate(map, &work));
   for (PetscInt g = 0; g < space->group_count; g++) {
@@ -106,6 +107,7 @@ PetscErrorCode MpmPointsPullSolution(const MpmStepMap *map, const MpmPointVector
   MpmPointWork       work;
 
   PetscFunctionBeginUser;
+  if (space->cells.spread) PetscFunctionReturn(MpmSpreadPullSolution(map, end, lam, u));
   if (sum->layout->means) PetscFunctionReturn(MpmCellsPullSolution(map, end, lam, u));
   PetscCall(MpmPointWorkCreate(map, &work));
   for (PetscInt g = 0; g < space->group_count; g++) {
@@ -138,6 +140,7 @@ PetscErrorCode MpmPointsPullStart(const MpmStepMap *map, const MpmPointVector *e
   MpmPointWork       work;
 
   PetscFunctionBeginUser;
+  if (space->cells.spread) PetscFunctionReturn(MpmSpreadPullStart(map, end, lam, start, gradient));
   if (sum->layout->means) PetscFunctionReturn(MpmCellsPullStart(map, end, lam, start, gradient));
   PetscCall(MpmPointWorkCreate(map, &work));
   for (PetscInt g = 0; g < space->group_count; g++) {

@@ -97,6 +97,10 @@ static PetscErrorCode AddColumns(Seeds *seeds, const PetscInt color[], PetscInt 
 
   PetscFunctionBeginUser;
   PlantSeeds(seeds, color, c);
+  if (space->cells.spread) {
+    PetscCall(MpmActionApplyPoints(&seeds->action, seeds->du, seeds->y, failed));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt unit = 0; unit < MpmUnitCount(sum); unit++) {
     const MpmGroup *box = &space->groups[MpmUnitGroups(sum, unit).box];
     const PetscInt  j = NodeOfColor(seeds, box, color), node = j < 0 ? -1 : space->group_nodes[box->node_offset + j];

@@ -39,6 +39,12 @@ typedef struct {
   PetscReal start, end;
 } MpmInterval;
 
+/* Means of the physics: none; over the points whose centres lie in a cell; by shares of the points' domains. */
+typedef enum { MPM_MEANS_NONE, MPM_MEANS_CELL, MPM_MEANS_SPREAD } MpmMeansType;
+
+/* Half-length of a domain, in cells, beyond which an implicit step has no spread means. */
+#define MPM_SPREAD_HALF_LENGTH 1.5
+
 /* Rules of a space, borrowed from the model. */
 typedef struct MpmRules {
   const MpmGrid     *grid;
@@ -53,7 +59,7 @@ typedef struct MpmRules {
   MpmPenalty         penalty;
   PetscReal          filled; /* MPM_FILLED, another share, or 0: no node follows others */
   PetscReal          smooth; /* share of means over pieces in derivatives (grid/shape.h); where there is one shape */
-  PetscBool          mean;   /* points of one cell stand side by side, for means over it */
+  MpmMeansType       means;  /* of cells: their points stand side by side */
   MpmInterval        time;
   PetscBool          put_back;             /* the points were restored after the last step, which kept their stress */
   PetscBool          dynamic;              /* a step with inertia that is solved for */

@@ -9,6 +9,14 @@
 #include "space/point_loop.h"
 #include "space/rules.h"
 
+static PetscErrorCode SpreadDestroy(MpmSpread **spread)
+{
+  PetscFunctionBeginUser;
+  if (*spread) PetscCall(PetscFree3((*spread)->first, (*spread)->count, (*spread)->part));
+  PetscCall(PetscFree(*spread));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSpaceReset(MpmSpace *space)
 {
   PetscFunctionBeginUser;
@@ -30,6 +38,7 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscCall(PetscFree(space->boxes.faces.face));
   PetscCall(PetscFree(space->cells.at));
   PetscCall(PetscFree(space->cells.share));
+  PetscCall(SpreadDestroy(&space->cells.spread));
   PetscCall(PetscFree(space->group_nodes));
   PetscCall(PetscFree(space->extra.free));
   PetscCall(PetscFree(space->extra.link));
@@ -76,6 +85,7 @@ MPM_INLINE PetscErrorCode MakeKeys(const PetscInt dim, const MpmSpace *space, co
 {
   const PetscInt  n = space->point_count, width = space->width;
   const PetscBool many               = (PetscBool)(space->shapes.count > 1);
+  const PetscBool cells              = (PetscBool)(rules->means == MPM_MEANS_CELL);
   const PetscInt *part               = space->parts.stride ? points->domain.part : NULL;
   PetscInt        lower[MPM_MAX_DIM] = {PETSC_INT_MAX, PETSC_INT_MAX, PETSC_INT_MAX}, upper[MPM_MAX_DIM] = {0, 0, 0};
 
@@ -89,22 +99,22 @@ MPM_INLINE PetscErrorCode MakeKeys(const PetscInt dim, const MpmSpace *space, co
     }
   }
   for (PetscInt a = 0; n && a < dim; a++) {
-    upper[a] += rules->mean ? width : 0;
+    upper[a] += cells ? width : 0;
     boxes->cells *= upper[a] - lower[a] + 1;
-    boxes->shapes *= width * (rules->mean ? width : 1) * (many ? width * width : 1);
+    boxes->shapes *= width * (cells ? width : 1) * (many ? width * width : 1);
   }
   PetscCheck(boxes->cells < PETSC_INT_MAX && boxes->shapes < PETSC_INT_MAX, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE,
              "the points of one rank span %" PetscInt64_FMT " cells", boxes->cells);
   for (PetscInt p = 0; p < n; p++) {
     PetscInt home[MPM_MAX_DIM], cell = part ? part[p] : 0, shape = 0;
 
-    if (rules->mean) MpmGridFindCell(rules->grid, &points->x[p * dim], home);
+    if (cells) MpmGridFindCell(rules->grid, &points->x[p * dim], home);
     for (PetscInt a = dim - 1; a >= 0; a--) {
-      const PetscInt k = p * dim + a, first = boxes->first[k], place = rules->mean ? home[a] : first;
+      const PetscInt k = p * dim + a, first = boxes->first[k], place = cells ? home[a] : first;
 
       cell  = cell * (upper[a] - lower[a] + 1) + place - lower[a];
       shape = shape * width + boxes->count[k] - 1;
-      if (rules->mean) shape = shape * width + place - first;
+      if (cells) shape = shape * width + place - first;
       if (many) shape = (shape * width + space->touched.first[k] - first) * width + space->touched.count[k] - 1;
     }
     boxes->cell_key[p]  = cell;

@@ -16,6 +16,7 @@ typedef struct MpmGroup {
   PetscInt  cell;                   /* into cells, where the physics has a mean */
   PetscInt  part;                   /* of its points; unset for boxes without points */
   PetscBool holes;                  /* some of its nodes may be inactive: local node -1 */
+  PetscInt  margin[MPM_MAX_DIM];    /* layers of nodes at both ends of an axis that are not coupled with each other */
 } MpmGroup;
 
 /* The points over which a mean is taken: those whose centres lie in one cell of the grid, in whole groups. */
@@ -24,11 +25,25 @@ typedef struct {
   PetscInt box; /* into groups: one without points that holds the nodes of them all */
 } MpmCell;
 
+/*
+  Shares of the points' domains in cells: products over the axes of parts, `width` numbers a point and axis from the
+  cell `first` on. Numbers of a cell stand at its lower node. The nodes that points in a cell touch lie in a window
+  about that node, and other cells of those points within `range` of it on each axis.
+*/
+typedef struct {
+  PetscInt   width;
+  PetscInt  *first, *count; /* dim values a point */
+  PetscReal *part;
+  PetscInt   lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], range[MPM_MAX_DIM]; /* equal on all ranks */
+  PetscInt   box_begin, box_count; /* into groups: windows of this rank's cells, wider by `range`; 0: none is needed */
+} MpmSpread;
+
 /* Cells with a mean, if the physics has one: their boxes come last. */
 typedef struct {
   PetscInt   count;
   MpmCell   *at;
-  PetscReal *share; /* of each point in the mean of its cell */
+  PetscReal *share;  /* of each point in the mean of its cell */
+  MpmSpread *spread; /* in place of these; or NULL */
 } MpmCells;
 
 /* Faces of the ghost penalty: groups without points, behind the others. */

@@ -350,6 +350,11 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
     /* the Jacobian's window, and with it the colours, must be the same on all ranks */
     PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &longest, 1, MPIU_REAL, MPIU_MAX, rules->grid->comm));
   }
+  if (rules->means == MPM_MEANS_SPREAD && rules->longest <= 0. && longest > MPM_SPREAD_HALF_LENGTH) {
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
+                             "a point's domain spans too many cells for -mpm_stabilization_fbar spread"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (!ListShapes(rules, longest, shapes, lines)) {
     PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE, "a point%sdomain spans too many cells",
                              longest < MPM_MAX_WIDTH ? "'s " : " has no stretch, or its "));

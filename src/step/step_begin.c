@@ -51,7 +51,9 @@ MpmRules MpmStepRules(MpmModel model, PetscReal time)
                .penalty.interior =
                  solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.stabilization.interior : 0.,
                .smooth   = model->scene.stabilization.smooth,
-               .mean     = (PetscBool)(model->disc.layout->means > 0),
+               .means    = !model->disc.layout->means               ? MPM_MEANS_NONE
+                           : model->scene.stabilization.fbar_spread ? MPM_MEANS_SPREAD
+                                                                    : MPM_MEANS_CELL,
                .put_back = model->state.scheme.put_back,
                .time     = {model->state.time, time},
                .dynamic  = (PetscBool)(motion != MPM_QUASISTATIC && solves)};

@@ -122,6 +122,7 @@ static const char *const round_3d =
 
 static const char *edge    = "linear"; /* how splines end */
 static const char *rounded = "";       /* a scene in place of the ones above */
+static const char *means   = "true";   /* those of F-bar */
 
 static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, PetscInt held, MpmModel *model)
 {
@@ -145,7 +146,7 @@ static PetscErrorCode Create(PetscInt dim, const char *shape, const Law *law, Pe
                      : "",
     law->parameters, shape, law->name, edge, held ? " -mpm_stabilization_ghost 0.05" : " -mpm_stabilization_ghost off",
     held == INCLINED ? " -mpm_stabilization_smooth 0.6" : "",
-    fbar ? " -mpm_stabilization_fbar " : " -mpm_stabilization_fbar false", fbar ? "true" : ""));
+    fbar ? " -mpm_stabilization_fbar " : " -mpm_stabilization_fbar false", fbar ? means : ""));
   PetscCall(SceneCreate(PETSC_COMM_WORLD, NULL, options, model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -423,6 +424,33 @@ START_TEST(long_domains)
 }
 END_TEST
 
+/* F-bar by shares of domains: of half a cell, and so long that points of three or four cells have a mean. */
+START_TEST(spread_means)
+{
+  static const char *const shapes[]   = {"gimp", "gimp_bspline2"};
+  static const PetscInt    variants[] = {HELD_FBAR, INCLINED};
+
+  means = "spread";
+  for (PetscInt k = 0; k < 16; k++) {
+    const PetscInt  dim = 2 + k % 2, held = variants[k / 8];
+    const Law      *law  = &laws[k / 8 ? 2 : 2 * (k / 4 % 2) + (k / 2 % 2) + 1];
+    const PetscReal half = k / 4 % 2 ? dim == 2 ? 1.2 : 0.6 : 0.;
+    MpmModel        model;
+    SceneVerdict    verdict;
+    PetscReal       plastic;
+
+    if ((k / 8 && dim == 2) || (UNIT_SANITIZED && k % 3)) continue;
+    SCENE_CALL(Create(dim, shapes[k / 2 % 2], law, held, &model));
+    SCENE_CALL(Look(model, law, half, &plastic, &verdict));
+    ck_assert_int_eq((int)model->disc.layout->means, 1);
+    ck_assert(model->disc.space->cells.spread != NULL);
+    Check(model, law, held, plastic, &verdict);
+    SCENE_CALL(SceneDestroy(&model));
+  }
+  means = "true";
+}
+END_TEST
+
 START_TEST(round_bodies)
 {
   static const char *const shapes[] = {"gimp", "bspline2"};
@@ -447,7 +475,7 @@ END_TEST
 
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {plane, space, open_edges, long_domains, round_bodies};
+  const TTest *const tests[] = {plane, space, open_edges, long_domains, spread_means, round_bodies};
 
   return UnitRun(&argc, &argv, "jacobian", sizeof(tests) / sizeof(tests[0]), tests);
 }
