@@ -110,6 +110,9 @@ PetscErrorCode MpmTerminalBegin(MpmModel model, const char *what)
   PetscCall(PrintMotion(model));
   PetscCall(MpmStabilizationText(model, sizeof(text), text));
   PetscCall(PetscPrintf(model->comm, "  %s\n", text));
+  if (model->gradient && model->scene.stabilization.fbar && !model->scene.stabilization.fbar_spread)
+    PetscCall(PetscPrintf(model->comm, "  results jump a little where a point changes its cell of F-bar, which "
+                                       "derivatives do not see; -mpm_stabilization_fbar spread does without\n"));
   if (model->solver.cache.minimisation.on)
     PetscCall(PetscPrintf(model->comm,
                           "  each step minimises a potential: the materials' energy%s, less the work of the loads\n",

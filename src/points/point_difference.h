@@ -4,6 +4,6 @@
 */
 #include "point/layout.h"
 
-/* The derivative of a point's fluxes along dinput, by central differences; f: flux conjugate to the mean at this point. */
+/* The derivative of a point's fluxes along dinput, by central differences; f: flux of the mean at the point. */
 int MpmPointDifference(const MpmLayout *layout, const MpmKernelPoint *point, const PetscReal input[],
                        const PetscReal dinput[], PetscReal f, PetscReal dflux[]);

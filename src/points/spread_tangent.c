@@ -4,9 +4,8 @@
   With b_p the derivatives of point p's fluxes by its mean, o_p those of the mean's flux by the inputs, s_p that by the
   mean, and N_p the point's basis functions, the blocks of the points have for each cell c
 
-    a_c m_c^T + m_c (o_c + sum_d S_cd m_d)^T ,
-    a_c = sum_p f_pc N_p b_p ,  o_c = sum_p f_pc N_p o_p ,  m_c = sum_q f_qc V_q N_q dm_q / V_c ,  S_cd = sum_p f_pc f_pd
-  s_p
+    a_c m_c^T + m_c (o_c + sum_d S_cd m_d)^T ,   a_c = sum_p f_pc N_p b_p ,   o_c = sum_p f_pc N_p o_p ,
+    m_c = sum_q f_qc V_q N_q dm_q / V_c ,   S_cd = sum_p f_pc f_pd s_p
 
   beside them. Of these m_c alone must have the points of all ranks: each rank adds what comes from its own a, o and S.
 */

@@ -137,6 +137,7 @@ typedef struct {
   PetscReal          dinput[MPM_MAX_INPUTS]; /* of the direction, that of the mean last */
   MpmSpreadCells     cells;
   PetscReal          change[MPM_SPREAD_MOST];
+  SpreadPoint       *at;
 } Entered;
 
 /* The point, and the change of its inputs but the mean. */
@@ -170,9 +171,11 @@ static void LeaveAlong(const MpmStepMap *map, const MpmStepDirection *direction,
 }
 
 /* First pass: volumes and moments of the cells. */
-static PetscErrorCode MeansAlong(const MpmStepMap *map, PetscInt p, const MpmPointVector *start, const Entered *entered,
-                                 const MpmPointWork *work, SpreadPoint *at, Spread *spread)
+static PetscErrorCode MeansAlong(const MpmStepMap *map, PetscInt p, const MpmPointVector *start, Entered *entered,
+                                 const MpmPointWork *work, Spread *spread)
 {
+  SpreadPoint *at = entered->at;
+
   PetscFunctionBeginUser;
   PetscCall(TakeMean(map, p, &entered->point, &entered->direction, work, at));
   at->volume[1] += at->volume[0] * MpmPointNumber(start, MPM_VECTOR_VOLUME, p);
@@ -191,10 +194,10 @@ static PetscErrorCode MeansAlong(const MpmStepMap *map, PetscInt p, const MpmPoi
 
 /* Second pass: fluxes and the step's end; moments have become means. */
 static PetscErrorCode FluxesAlong(const MpmStepMap *map, PetscInt p, const MpmStepDirection *direction,
-                                  Entered *entered, MpmPointWork *work, SpreadPoint *at, Spread *spread,
-                                  MpmPointVector *end)
+                                  Entered *entered, MpmPointWork *work, Spread *spread, MpmPointVector *end)
 {
-  const PetscInt N = work->known.inputs;
+  const PetscInt N  = work->known.inputs;
+  SpreadPoint   *at = entered->at;
 
   PetscFunctionBeginUser;
   work->input[N] = 0.;
@@ -219,10 +222,10 @@ static PetscErrorCode FluxesAlong(const MpmStepMap *map, PetscInt p, const MpmSt
 }
 
 /* Third pass: forces, with the means' part V f g/V_c dm of the fluxes; g has become g/V_c. */
-static void ForcesAlong(const MpmStepMap *map, const Entered *entered, const SpreadPoint *at, const Spread *spread,
-                        MpmPointWork *work)
+static void ForcesAlong(const MpmStepMap *map, const Entered *entered, const Spread *spread, MpmPointWork *work)
 {
-  PetscReal mean = 0., change = 0.; /* sum f g/V_c */
+  const SpreadPoint *at   = entered->at;
+  PetscReal          mean = 0., change = 0.; /* sum f g/V_c */
 
   for (PetscInt k = 0; k < entered->cells.count; k++) {
     const PetscReal *flux = &spread->flux[entered->cells.node[k] * 2];
@@ -259,9 +262,10 @@ static PetscErrorCode PassAlong(const MpmStepMap *map, const MpmStepDirection *d
       const PetscInt p = space->order[s];
 
       PetscCall(EnterAlong(map, group, p, direction, &work, &entered));
-      if (pass == MEANS) PetscCall(MeansAlong(map, p, direction->start, &entered, &work, &spread->at[s], spread));
-      else if (pass == FLUXES) PetscCall(FluxesAlong(map, p, direction, &entered, &work, &spread->at[s], spread, end));
-      else ForcesAlong(map, &entered, &spread->at[s], spread, &work);
+      entered.at = &spread->at[s];
+      if (pass == MEANS) PetscCall(MeansAlong(map, p, direction->start, &entered, &work, spread));
+      else if (pass == FLUXES) PetscCall(FluxesAlong(map, p, direction, &entered, &work, spread, end));
+      else ForcesAlong(map, &entered, spread, &work);
       LeaveAlong(map, direction, &work);
     }
     if (pass == FORCES) MpmSumScatter(work.known, map->sum, group, work.force, residual);
