@@ -1,5 +1,5 @@
 /*
-  Derivatives of a run, by the method that its scene has.
+  Derivatives of a run, by the methods that its scene has.
 */
 #include "query/model.h"
 #include "sensitivity/gradient.h"
@@ -10,5 +10,6 @@ PetscErrorCode MpmDifferentiate(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmGradientFindStart(model));
   if (!model->caller.outcome.code) PetscCall(MpmGradientFind(model));
+  if (!model->caller.outcome.code) PetscCall(MpmTwinsFind(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -159,7 +159,8 @@ static PetscErrorCode Differentiate(MpmInverseProblem *problem, MpmModel model, 
                                     MpmEvaluation *evaluation)
 {
   PetscFunctionBeginUser;
-  if (slopes == MPM_JACOBIAN) model->gradient->method = MPM_GRADIENT_TANGENT;
+  if (slopes == MPM_JACOBIAN && model->gradient->method != MPM_GRADIENT_TWINS)
+    model->gradient->method = MPM_GRADIENT_TANGENT;
   MpmModelCall(model, MpmDifferentiate(model));
   if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindGradient(problem, model, evaluation));

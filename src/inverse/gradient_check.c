@@ -5,14 +5,10 @@
   it. Where no decision of the run changes they tend to the derivative like h^2, until rounding takes over. The
   difference that agrees best with the next smaller one is taken; its distance from that one is its noise.
 */
-#include "base/columns.h"
-#include "options/options.h"
-#include "options/record.h"
-#include "observe/history.h"
 #include "observe/results.h"
 #include "sensitivity/gradient.h"
 #include "inverse/inverse.h"
-#include "inverse/parameter_option.h"
+#include "inverse/twin.h"
 
 #define LARGEST   1e-3 /* changes, in parts of the parameter, from here on */
 #define CHANGES   6    /* each a tenth of the one before */
@@ -22,39 +18,15 @@
 #define ROUNDING_EXACT      1e-12
 #define ROUNDING_DIFFERENCE 1e-8
 
-/* All steps of a model, of given lengths; `objective` is not a number where the run gave up. */
-static PetscErrorCode RunAlong(MpmModel model, PetscInt rows, const PetscReal times[], PetscReal *objective)
-{
-  MpmStatus status = MPM_RUNNING;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmModelSetUp(model));
-  PetscCall(MpmGradientAddColumns(model, &model->results->columns));
-  PetscCall(MpmGradientCollect(model));
-  for (PetscInt n = 1; n < rows && status == MPM_RUNNING; n++) {
-    PetscCall(MpmModelSetTimeStep(model, times[n] - times[n - 1]));
-    PetscCall(MpmModelStep(model, &status));
-    PetscCall(MpmGradientCollect(model));
-  }
-  *objective = NAN;
-  if (status == MPM_COMPLETED && model->gradient->rows == rows) PetscCall(MpmGradientEvaluate(model, objective));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The objective of a run with a parameter times a factor. */
 static PetscErrorCode Evaluate(MpmModel model, PetscInt k, PetscReal factor, PetscReal *objective)
 {
-  const MpmSceneParameter *parameter = &model->gradient->parameters.at[k];
-  MpmModel                 other;
+  MpmTwin twin;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmParameterSet(model, parameter, factor));
-  PetscCall(MpmModelCreate(model->comm, &other));
-  other->record->sources = model->record->sources;
-  PetscCall(MpmModelSetFromOptions(other));
-  PetscCall(RunAlong(other, model->gradient->rows, model->gradient->times, objective));
-  PetscCall(MpmModelDestroy(&other));
-  PetscCall(MpmParameterSet(model, parameter, 1.));
+  PetscCall(MpmTwinRun(model, k, factor * model->gradient->parameters.at[k].value, &twin));
+  *objective = twin.objective;
+  PetscCall(MpmTwinDestroy(&twin));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,6 +61,33 @@ static PetscErrorCode FindDifference(MpmModel model, PetscInt k, Difference *bes
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The line of a derivative, and whether it agrees with the other method and with the difference. */
+static PetscErrorCode Compare(MpmModel model, PetscInt k, const Difference *difference)
+{
+  const MpmDerivatives *found  = &model->results->derivatives;
+  const PetscBool       closed = MpmGradientIsClosed(model->gradient, k);
+  const PetscReal       value = found->gradient[k], apart = closed ? PetscAbsReal(found->tangent[k] - value) : 0.;
+  const PetscReal       wrong = PetscAbsReal(difference->value - value);
+  const PetscReal       at    = model->gradient->parameters.at[k].value;
+  const PetscReal       scale = at == 0. ? 0. : PetscAbsReal(found->objective / at);
+  char                  other[96];
+
+  PetscFunctionBeginUser;
+  if (closed) PetscCall(PetscSNPrintf(other, sizeof(other), "tangent %.1e apart", (double)apart));
+  else PetscCall(PetscSNPrintf(other, sizeof(other), "error about %.1e", (double)found->errors[k]));
+  PetscCall(MpmMonitorNote(
+    &model->monitor, "%s: %s %.10g, %s; differences %.10g, %.1e apart, noise %.1e, up to a change by %.0e",
+    found->names[k], closed ? "adjoint" : "twins", (double)value, other, (double)difference->value, (double)wrong,
+    (double)difference->noise, (double)difference->window));
+  if (apart <= AGREEMENT * PetscAbsReal(value) + ROUNDING_EXACT * scale &&
+      wrong <= 10. * difference->noise + ERROR * PetscAbsReal(value) + ROUNDING_DIFFERENCE * scale)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOutcomeFail(&model->caller.outcome, MPM_OUTCOME_REFUSED,
+                           "derivative by %s: %s %.10g, %s, differences %.10g", found->names[k],
+                           closed ? "adjoint" : "twins", (double)value, other, (double)difference->value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmGradientCheck(MpmModel model)
 {
   const MpmGradient    *gradient = model->gradient;
@@ -97,27 +96,10 @@ PetscErrorCode MpmGradientCheck(MpmModel model)
   PetscFunctionBeginUser;
   if (!gradient || !gradient->checks || !found->count) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < found->count; k++) {
-    const PetscReal adjoint = found->gradient[k], tangent = found->tangent[k];
-    const PetscReal value = gradient->parameters.at[k].value,
-                    scale = value == 0. ? 0. : PetscAbsReal(found->objective / value);
     Difference difference = {0};
-    PetscReal  apart, wrong;
 
     PetscCall(FindDifference(model, k, &difference));
-    apart = PetscAbsReal(tangent - adjoint);
-    wrong = PetscAbsReal(difference.value - adjoint);
-    PetscCall(
-      MpmMonitorNote(&model->monitor,
-                     "%s: adjoint %.10g, tangent %.1e apart; differences %.10g, %.1e apart, noise %.1e, up to a "
-                     "change by %.0e",
-                     found->names[k], (double)adjoint, (double)apart, (double)difference.value, (double)wrong,
-                     (double)difference.noise, (double)difference.window));
-    if (apart <= AGREEMENT * PetscAbsReal(adjoint) + ROUNDING_EXACT * scale &&
-        wrong <= 10. * difference.noise + ERROR * PetscAbsReal(adjoint) + ROUNDING_DIFFERENCE * scale)
-      continue;
-    PetscCall(MpmOutcomeFail(&model->caller.outcome, MPM_OUTCOME_REFUSED,
-                             "derivative by %s: adjoint %.10g, tangent %.10g, differences %.10g", found->names[k],
-                             (double)adjoint, (double)tangent, (double)difference.value));
+    PetscCall(Compare(model, k, &difference));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,7 +4,6 @@
 #include "options/record.h"
 #include "observe/results.h"
 #include "sensitivity/gradient.h"
-#include "inverse/parameter_option.h"
 #include "inverse/problem.h"
 
 PetscErrorCode MpmInverseProblemCreate(MpmModel scene, MpmInverseProblem *problem)
@@ -29,7 +28,7 @@ PetscErrorCode MpmInverseSetOptions(const MpmInverseProblem *problem, const Pets
     const MpmParameterRange *range = &problem->ranges->at[k];
 
     for (PetscInt i = 0; i < range->count; i++)
-      PetscCall(MpmSceneParameterSetOption(problem->scene, &parameters[range->of[i]], MpmRangeValue(range, t[k])));
+      PetscCall(MpmSceneParameterSet(&parameters[range->of[i]], (double)MpmRangeValue(range, t[k])));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

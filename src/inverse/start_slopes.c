@@ -97,7 +97,7 @@ static PetscErrorCode Evaluate(MpmModel model, PetscInt k, PetscReal value, Star
 
   PetscFunctionBeginUser;
   PetscCall(Tighten(kept));
-  PetscCall(MpmParameterSet(model, parameter, value / parameter->value));
+  PetscCall(MpmSceneParameterSet(parameter, value));
   PetscCall(MpmModelCreate(model->comm, &twin));
   twin->record->sources = model->record->sources;
   PetscCall(MpmModelSetBodyForce(twin, model->scene.body_force.function, model->scene.body_force.ctx));
@@ -115,7 +115,7 @@ static PetscErrorCode Evaluate(MpmModel model, PetscInt k, PetscReal value, Star
                              model->gradient->parameters.at[k].name, (double)value, twin->caller.outcome.text));
   PetscCall(Take(model, twin, start));
   PetscCall(MpmModelDestroy(&twin));
-  PetscCall(MpmParameterSet(model, parameter, 1.));
+  PetscCall(MpmSceneParameterReset(parameter));
   PetscCall(Loosen(kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -205,13 +205,15 @@ PetscErrorCode MpmGradientFindStart(MpmModel model)
   PetscInt       size;
 
   PetscFunctionBeginUser;
-  if (!gradient || !gradient->start.differs || gradient->rows < 2) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!gradient || !gradient->start.differs || !MpmGradientAnyClosed(gradient) || gradient->rows < 2)
+    PetscFunctionReturn(PETSC_SUCCESS);
   size = gradient->start.rows * gradient->objectives.count;
   PetscCall(PetscCalloc1(count, &gradient->start.at));
   PetscCall(PetscCalloc1((count * size), &gradient->start.slopes));
   for (PetscInt k = 0; k < count && !model->caller.outcome.code; k++) {
     Start start = {0};
 
+    if (!MpmGradientIsClosed(gradient, k)) continue;
     PetscCall(FindOne(model, k, &start));
     gradient->start.at[k] = start.at;
     PetscCall(PetscArraycpy(&gradient->start.slopes[k * size], start.curves, size));

@@ -8,12 +8,32 @@
 #include "model/build.h"
 #include "inverse/inverse.h"
 
+/* A line for the objective and each derivative. */
+static PetscErrorCode Tell(MpmModel model)
+{
+  const MpmDerivatives *found = &model->results->derivatives;
+
+  PetscFunctionBeginUser;
+  if (!found->count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMonitorNote(&model->monitor, "objective %.10g", (double)found->objective));
+  for (PetscInt k = 0; k < found->count; k++) {
+    char error[64] = "";
+
+    if (found->errors[k] > 0.)
+      PetscCall(PetscSNPrintf(error, sizeof(error), ", to about %.1e", (double)found->errors[k]));
+    PetscCall(
+      MpmMonitorNote(&model->monitor, "derivative by %s: %.10g%s", found->names[k], (double)found->gradient[k], error));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Derivatives, and what the task compares them with. */
 static PetscErrorCode Derive(MpmModel model)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmDifferentiate(model));
-  PetscCall(MpmGradientCheck(model));
+  if (!model->caller.outcome.code) PetscCall(Tell(model));
+  if (!model->caller.outcome.code) PetscCall(MpmGradientCheck(model));
   if (model->caller.outcome.code) PetscCall(MpmTerminalWarn(model, "%s", model->caller.outcome.text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -198,7 +198,8 @@ typedef struct MpmSummary {
   struct {
     PetscInt         count; /* of parameters; 0: none are asked for */
     char *const     *names;
-    const PetscReal *values; /* derivatives of the objective */
+    const char     **methods;
+    const PetscReal *values, *errors; /* derivatives of the objective, and their estimated errors */
     PetscReal        objective;
     const char      *inverse; /* JSON; NULL: the task is no inverse analysis */
   } derivatives;

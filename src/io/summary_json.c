@@ -81,6 +81,12 @@ static PetscErrorCode AppendDerivatives(MpmTextFile *text, const MpmSummary *sum
   PetscCall(MpmTextFileAppend(text, "],\n  \"gradient\": ["));
   for (PetscInt k = 0; k < count; k++)
     PetscCall(MpmTextFileAppend(text, "%s%.17g", k ? ", " : "", (double)summary->derivatives.values[k]));
+  PetscCall(MpmTextFileAppend(text, "],\n  \"gradient_method\": ["));
+  for (PetscInt k = 0; k < count; k++)
+    PetscCall(MpmTextFileAppend(text, "%s\"%s\"", k ? ", " : "", summary->derivatives.methods[k]));
+  PetscCall(MpmTextFileAppend(text, "],\n  \"gradient_error\": ["));
+  for (PetscInt k = 0; k < count; k++)
+    PetscCall(MpmTextFileAppend(text, "%s%.3g", k ? ", " : "", (double)summary->derivatives.errors[k]));
   PetscCall(MpmTextFileAppend(text, "],\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -13,7 +13,9 @@ PetscErrorCode MpmStepAddColumns(MpmModel model, MpmColumns *columns);
 PetscErrorCode MpmReactionsAddColumns(MpmModel model, MpmColumns *columns);
 PetscErrorCode MpmOutflowAddColumns(MpmModel model, MpmColumns *columns);
 
-/* Column `signature`, where -mpm_output_signature asks for it (signature.c). */
+/* A number of the last step's discrete decisions (signature.c), collective; and column `signature`, where
+   -mpm_output_signature asks for it. */
+PetscErrorCode MpmSignatureFind(MpmModel model, PetscReal *signature);
 PetscErrorCode MpmSignatureAddColumns(MpmModel model, MpmColumns *columns);
 
 /* The scene's columns of the history of a scene on a grid. */

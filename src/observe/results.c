@@ -28,8 +28,8 @@ PetscErrorCode MpmResultsDestroy(MpmModel model)
   PetscCall(MpmNamesDestroy(results->states.derived_count, &results->states.derived));
   PetscCall(PetscFree(results->states.fields.at));
   PetscCall(PetscFree(results->added.fields.at));
-  PetscCall(PetscFree(results->derivatives.names));
-  PetscCall(PetscFree(results->derivatives.gradient));
+  PetscCall(PetscFree2(results->derivatives.names, results->derivatives.methods));
+  PetscCall(PetscFree2(results->derivatives.gradient, results->derivatives.errors));
   PetscCall(PetscFree(results->derivatives.tangent));
   PetscCall(MpmColumnsDestroy(&results->columns));
   PetscCall(MpmColumnsDestroy(&results->added.columns));
@@ -119,7 +119,9 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                             .criteria                 = {model->state.relaxing.first, model->state.relaxing.since},
                             .derivatives              = {.count     = model->results->derivatives.count,
                                                          .names     = model->results->derivatives.names,
+                                                         .methods   = model->results->derivatives.methods,
                                                          .values    = model->results->derivatives.gradient,
+                                                         .errors    = model->results->derivatives.errors,
                                                          .objective = model->results->derivatives.objective,
                                                          .inverse   = model->results->derivatives.inverse}};
   char           path[PETSC_MAX_PATH_LEN];

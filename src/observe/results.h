@@ -102,12 +102,13 @@ typedef struct {
 
 /* Derivatives of a number of the run, for the summary; `count` 0: none were asked for. */
 typedef struct {
-  PetscInt    count;
-  char      **names; /* of the parameters, borrowed */
-  PetscReal  *gradient;
-  PetscReal  *tangent; /* by the other method, where both are compared; or NULL */
-  PetscReal   objective;
-  const char *inverse; /* results of an inverse analysis as JSON, borrowed, or NULL */
+  PetscInt     count;
+  char       **names;             /* of the parameters, borrowed */
+  const char **methods;           /* how each was found */
+  PetscReal   *gradient, *errors; /* errors: of differences, as estimated; 0 in closed form */
+  PetscReal   *tangent;           /* by the other method, where both are compared; or NULL */
+  PetscReal    objective;
+  const char  *inverse; /* results of an inverse analysis as JSON, borrowed, or NULL */
 } MpmDerivatives;
 
 struct MpmResults {

@@ -90,20 +90,27 @@ static uint64_t SumNodes(const MpmDiscretization *disc)
   return sum;
 }
 
-static PetscErrorCode Fill(MpmModel model, const MpmColumn *column, PetscReal values[])
+PetscErrorCode MpmSignatureFind(MpmModel model, PetscReal *signature)
 {
   uint64_t sum = 0;
 
   PetscFunctionBeginUser;
-  (void)column;
-  values[0] = 0.;
+  *signature = 0.;
   if (!model->disc.nodal.committed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
   sum = SumPoints(model->disc.space, model->disc.points) + SumNodes(&model->disc);
   PetscCall(SumContact(model->state.particles, model->disc.points, &sum));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_UINT64_T, MPI_SUM, model->comm));
-  values[0] = (PetscReal)(sum >> (64 - BITS));
+  *signature = (PetscReal)(sum >> (64 - BITS));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Fill(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscFunctionBeginUser;
+  (void)column;
+  PetscCall(MpmSignatureFind(model, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

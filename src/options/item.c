@@ -45,6 +45,8 @@ static PetscErrorCode ItemRecord(MpmRecord record, const MpmItem *item, const Mp
   entry->known = PETSC_TRUE;
   entry->given = item->given;
   if (spec->presence) entry->presence = PETSC_TRUE;
+  entry->numbers = (PetscBool)(spec->type == MPM_OPTION_NUMBER || spec->type == MPM_OPTION_TEXT);
+  entry->range   = spec->type == MPM_OPTION_NUMBER ? spec->range : MPM_RANGE_ANY;
   PetscCall(PetscFree(entry->value));
   if (value) PetscCall(PetscStrallocpy(value, &entry->value));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -22,6 +22,8 @@ typedef struct {
   PetscBool presence; /* somebody asked whether it was given: written as a key it would change its meaning */
   PetscBool list;     /* of blocks */
   PetscBool aside;    /* of a block that a later list leaves out */
+  PetscBool numbers;  /* its value is reals, or a text that may have some */
+  MpmRange  range;    /* of reals */
 } MpmRecordEntry;
 
 /* An option of PETSc's that the user gave. */
@@ -43,6 +45,8 @@ struct _p_MpmRecord {
 
 /* The block with this prefix is being read. */
 PetscErrorCode MpmRecordAddBlock(MpmRecord record, const char prefix[]);
+/* Prefix of the options of a list's blocks: mpm_bodies, mpm_body_. */
+void MpmRecordBlockPrefix(const char list[], char prefix[PETSC_MAX_OPTION_NAME]);
 /* Lends the option's entry, or NULL. */
 PetscErrorCode MpmRecordFind(MpmRecord record, const char name[], MpmRecordEntry **entry);
 /* Lends the option's entry, which is made where there is none; it lives until the next call. */

@@ -70,8 +70,7 @@ static const char *NearestKnown(MpmRecord record, const char name[])
 
 /* ---- lists ---- */
 
-/* Prefix of the options of a list's blocks: mpm_bodies, mpm_body_. */
-static void BlockPrefix(const char list[], char prefix[PETSC_MAX_OPTION_NAME])
+void MpmRecordBlockPrefix(const char list[], char prefix[PETSC_MAX_OPTION_NAME])
 {
   const size_t length = strlen(list);
   const int    ies    = length > 3 && !strcmp(&list[length - 3], "ies");
@@ -89,7 +88,7 @@ static const MpmRecordEntry *ListOf(MpmRecord record, const char name[])
     const MpmRecordEntry *entry = &record->entries[i];
 
     if (!entry->list) continue;
-    BlockPrefix(entry->name, prefix);
+    MpmRecordBlockPrefix(entry->name, prefix);
     if (strlen(prefix) > block && !strncasecmp(name, prefix, strlen(prefix)) && name[strlen(prefix)]) return entry;
   }
   return NULL;

@@ -160,6 +160,7 @@ typedef struct {
 typedef struct {
   PetscInt   count;
   PetscReal *time;
+  PetscBool  taken; /* by a run beside this one, which has judged their errors and ways */
 } MpmGivenSteps;
 
 /* Stages in their order; at least one. */

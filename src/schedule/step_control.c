@@ -35,6 +35,7 @@ static PetscErrorCode LookAtError(MpmModel model, PetscReal dt, MpmOutcome *outc
   scheme->error.refused = 0.;
   if (!(scheme->error.accepted > 0.)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(scheme->integrator->error(model, &scheme->error.estimate));
+  if (model->scene.stages.given.taken) PetscFunctionReturn(PETSC_SUCCESS);
   if (scheme->error.estimate <= scheme->error.accepted) PetscFunctionReturn(PETSC_SUCCESS);
   shorter = (PetscBool)(MpmTimeErrorFactor(model) * dt >= model->state.dt.least);
   if (shorter && !(before > 0. && scheme->error.estimate > PetscPowReal(part, STUBBORN) * before)) {
@@ -68,7 +69,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
       outcome->retryable = PETSC_TRUE;
       PetscCall(LookAtError(model, dt, outcome));
       if (!outcome->code) PetscCall(MpmReductionLook(model, time, outcome));
-      if (!outcome->code) PetscCall(MpmSlideLook(model, time, outcome));
+      if (!outcome->code && !model->scene.stages.given.taken) PetscCall(MpmSlideLook(model, time, outcome));
     } else model->state.scheme.error.refused = 0.;
     PetscCall((outcome->code ? integrator->roll_back : integrator->accept)(model));
   }

@@ -1,5 +1,5 @@
 /*
-  Parts of a scene whose derivatives are not there yet: refused by name, before anything is written.
+  Parts of a scene whose derivatives are not there in closed form yet: they are taken by twins.
 */
 #include <string.h>
 #include "point/layout.h"
@@ -119,7 +119,8 @@ static PetscBool PenaltyIsOpen(const MpmModel model)
   return (PetscBool)(model->disc.layout->ghost != NULL);
 }
 
-static PetscErrorCode CheckParts(const MpmModel model)
+/* The first part without, or NULL. */
+static const char *FindPart(const MpmModel model)
 {
   const MpmScene *scene   = &model->scene;
   const Part      parts[] = {
@@ -145,45 +146,49 @@ static PetscErrorCode CheckParts(const MpmModel model)
          {"a moving grid", (PetscBool)(scene->follow.what != MPM_FOLLOW_NOTHING)},
   };
 
-  PetscFunctionBeginUser;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(parts); k++)
-    MpmCheckInput(!parts[k].there, "-mpm_task gradient: there are no derivatives yet with %s", parts[k].name);
+    if (parts[k].there) return parts[k].name;
+  return FindLoad(scene);
+}
+
+PetscErrorCode MpmGradientFindOpen(const MpmModel model, char text[MPM_OPEN_TEXT])
+{
+  const char *part = FindPart(model);
+
+  PetscFunctionBeginUser;
+  text[0] = '\0';
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    if (model->scene.materials->at[m].dilatancy && !model->scene.materials->at[m].info.dilatancy_sensitivity)
+      PetscCall(PetscSNPrintf(text, MPM_OPEN_TEXT, "F-bar of material %s, whose law has none of its dilation",
+                              model->scene.materials->names[m]));
+  if (!model->disc.layout->kernel->sensitivity)
+    PetscCall(PetscSNPrintf(text, MPM_OPEN_TEXT, "-mpm_physics %s", model->scene.physics.name));
+  if (part) PetscCall(PetscStrncpy(text, part, MPM_OPEN_TEXT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmGradientCheckScene(const MpmModel model)
+PetscErrorCode MpmGradientFindOpened(const MpmModel model, char text[MPM_OPEN_TEXT])
 {
-  const char *load = FindLoad(&model->scene);
+  PetscInt faces = model->disc.space->boxes.faces.count;
 
   PetscFunctionBeginUser;
-  PetscCall(CheckParts(model));
-  MpmCheckInput(!load, "-mpm_task gradient: there are no derivatives yet with %s", load);
-  for (PetscInt m = 0; m < model->scene.materials->count; m++)
-    MpmCheckInput(
-      !model->scene.materials->at[m].dilatancy || model->scene.materials->at[m].info.dilatancy_sensitivity,
-      "-mpm_task gradient: there are no derivatives yet with F-bar of material %s, whose law has none of its "
-      "dilation; -mpm_stabilization_fbar false does without",
-      model->scene.materials->names[m]);
-  MpmCheckInput(model->disc.layout->kernel->sensitivity,
-                "-mpm_task gradient: there are no derivatives yet with -mpm_physics %s", model->scene.physics.name);
+  text[0] = '\0';
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &faces, 1, MPIU_INT, MPI_MAX, model->comm));
+  if (faces && PenaltyIsOpen(model))
+    PetscCall(
+      PetscStrncpy(text, "the penalty that holds sparse points, for water or a material without E", MPM_OPEN_TEXT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmGradientCheckRun(const MpmModel model, MpmOutcome *outcome)
 {
   const PetscInt *changes = model->monitor.changes;
-  PetscInt        faces   = model->disc.space->boxes.faces.count;
 
   PetscFunctionBeginUser;
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &faces, 1, MPIU_INT, MPI_MAX, model->comm));
-  if (faces && PenaltyIsOpen(model))
-    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
-                             "points are sparse, and there are no derivatives yet with the penalty that holds them for "
-                             "water, or a material without E; -mpm_stabilization_ghost off does without"));
-  if (changes[MPM_CHANGE_DILATION] || changes[MPM_CHANGE_SETTLING])
+  if (changes[MPM_CHANGE_DILATION] || changes[MPM_CHANGE_SETTLING] || model->state.scheme.rescuing.count)
     PetscCall(
       MpmOutcomeFail(outcome, MPM_OUTCOME_INADMISSIBLE,
-                     "the run has settled or averaged dilation by itself, and there are no derivatives yet with "
-                     "that"));
+                     "the run has settled, relaxed or averaged dilation by itself, and there are no derivatives "
+                     "yet with that"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

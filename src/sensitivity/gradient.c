@@ -11,17 +11,20 @@
 
 #define MEMORY 4e9 /* bytes for the states of the steps, by default */
 
+const char *const MpmGradientMethods[] = {"adjoint", "tangent", "twins", NULL};
+
 static PetscErrorCode ReadBlocks(MpmModel model, const MpmOptions *options, MpmGradient *gradient)
 {
-  static const char *const methods[] = {"adjoint", "tangent", NULL};
-  const MpmOptions         block     = {options->comm, "mpm_gradient_", options->record};
-  PetscInt                 method = 0, store = MPM_STORE_MEMORY;
+  const MpmOptions block  = {options->comm, "mpm_gradient_", options->record};
+  PetscInt         method = 0, store = MPM_STORE_MEMORY;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(&block, "Derivatives of a run (-mpm_task gradient)"));
   PetscCall(MpmOptionsWord(&block, "method",
-                           "adjoint: one run backward for any number of parameters; tangent: one forward for each",
-                           methods, MPM_OPTIONAL, &method, NULL));
+                           "adjoint: one run backward for any number of parameters; tangent: one forward for each; "
+                           "twins: runs with each parameter a little larger and smaller, as all parts of a scene take "
+                           "that have no derivatives in closed form yet",
+                           MpmGradientMethods, MPM_OPTIONAL, &method, NULL));
   gradient->method            = (MpmGradientMethod)method;
   gradient->tape.states.limit = MEMORY;
   PetscCall(MpmOptionsReal(&block, "memory", "bytes",
@@ -32,7 +35,7 @@ static PetscErrorCode ReadBlocks(MpmModel model, const MpmOptions *options, MpmG
                            "results, which are gone after the run",
                            MpmTapeStoreKinds, MPM_OPTIONAL, &store, NULL));
   gradient->tape.states.kind = (MpmTapeStoreKind)store;
-  PetscCall(MpmSceneParametersRead(model, options, &gradient->parameters));
+  PetscCall(MpmSceneParametersRead(options, model->scene.materials, model->scene.loads, &gradient->parameters));
   PetscCall(MpmParameterRangesRead(options, &gradient->parameters, &gradient->ranges));
   PetscCall(MpmObjectivesRead(options, model->state.period.run_end, &gradient->objectives));
   PetscCall(MpmInverseSettingsRead(options, &gradient->inverse));
@@ -70,11 +73,15 @@ PetscErrorCode MpmGradientAddColumns(MpmModel model, MpmColumns *columns)
 /* The objectives' columns among those that the history will have. */
 static PetscErrorCode FindColumns(MpmModel model)
 {
-  MpmColumns columns = {0};
+  MpmGradient *gradient = model->gradient;
+  MpmColumns   columns  = {0};
 
   PetscFunctionBeginUser;
   PetscCall(MpmGradientAddColumns(model, &columns));
-  PetscCall(MpmObjectivesFind(&columns, &model->gradient->objectives));
+  PetscCall(MpmObjectivesFind(&columns, &gradient->objectives));
+  for (PetscInt o = 0; o < gradient->objectives.count && !gradient->kind && !gradient->open[0]; o++)
+    if (!columns.map[gradient->objectives.at[o].row])
+      PetscCall(PetscSNPrintf(gradient->open, MPM_OPEN_TEXT, "the column %s", gradient->objectives.at[o].column));
   PetscCall(MpmColumnsDestroy(&columns));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -98,7 +105,8 @@ PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options, const 
   PetscCall(ReadBlocks(model, options, model->gradient));
   if (MpmOptionsHelp()) PetscFunctionReturn(MpmGradientDestroy(&model->gradient));
   PetscCall(CheckBlocks(model->gradient, tasks[task]));
-  PetscCall((kind ? kind->check : MpmGradientCheckScene)(model));
+  if (kind) PetscCall((*kind->check)(model));
+  else PetscCall(MpmGradientFindOpen(model, model->gradient->open));
   if (!kind) model->disc.grid->balance = PETSC_INFINITY; /* replayed steps have the numbers of their nodes */
   PetscCall(FindColumns(model));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -115,6 +123,7 @@ PetscErrorCode MpmGradientDestroy(MpmGradient **gradient)
   PetscCall(PetscFree((*gradient)->times));
   PetscCall(PetscFree((*gradient)->weights));
   PetscCall(PetscFree((*gradient)->slopes));
+  PetscCall(PetscFree((*gradient)->signatures));
   for (PetscInt k = 0; (*gradient)->start.at && k < (*gradient)->parameters.count; k++)
     PetscCall(MpmPointVectorDestroy(&(*gradient)->start.at[k]));
   PetscCall(PetscFree((*gradient)->start.at));
@@ -125,6 +134,19 @@ PetscErrorCode MpmGradientDestroy(MpmGradient **gradient)
 }
 
 /* ---- the run ---- */
+
+PetscBool MpmGradientIsClosed(const MpmGradient *gradient, PetscInt k)
+{
+  return (PetscBool)(!gradient->open[0] && gradient->method != MPM_GRADIENT_TWINS &&
+                     gradient->parameters.at[k].kind != MPM_OF_OPTION);
+}
+
+PetscBool MpmGradientAnyClosed(const MpmGradient *gradient)
+{
+  for (PetscInt k = 0; k < gradient->parameters.count; k++)
+    if (MpmGradientIsClosed(gradient, k)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
 
 PetscErrorCode MpmGradientCollect(MpmModel model)
 {
@@ -143,6 +165,8 @@ PetscErrorCode MpmGradientCollect(MpmModel model)
     PetscCall((*row->fill)(model, row, values));
     gradient->curves[gradient->rows * count + o] = values[objective->part];
   }
+  PetscCall(PetscRealloc((size_t)(gradient->rows + 1) * sizeof(PetscReal), &gradient->signatures));
+  PetscCall(MpmSignatureFind(model, &gradient->signatures[gradient->rows]));
   gradient->times[gradient->rows++] = model->state.time;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -154,6 +178,7 @@ PetscErrorCode MpmGradientBegin(MpmModel model)
   if (model->gradient->kind) PetscFunctionReturn((*model->gradient->kind->record)(model));
   model->gradient->start.rows    = 1;
   model->gradient->start.differs = MpmGradientStartDiffers(model);
+  if (!MpmGradientAnyClosed(model->gradient)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTapeBegin(model, &model->gradient->tape));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -168,7 +193,10 @@ PetscErrorCode MpmGradientRecord(MpmModel model)
   if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGradientCollect(model));
   if (gradient->kind) PetscFunctionReturn((*gradient->kind->record)(model));
-  if (model->scene.stages.at[model->state.stage].geostatic.method == MPM_GEOSTATIC_NONE)
+  if (!MpmGradientAnyClosed(gradient)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmGradientFindOpened(model, gradient->open));
+  if (gradient->open[0]) PetscCall(MpmTapeDestroy(&gradient->tape));
+  else if (model->scene.stages.at[model->state.stage].geostatic.method == MPM_GEOSTATIC_NONE)
     PetscCall(MpmTapeRecord(model, gradient->rows - 1, &gradient->tape));
   else {
     gradient->start.rows = gradient->rows;
@@ -180,7 +208,8 @@ PetscErrorCode MpmGradientRecord(MpmModel model)
 PetscErrorCode MpmGradientStage(MpmModel model)
 {
   PetscFunctionBeginUser;
-  if (model->gradient) PetscCall(MpmTapeRestart(model, &model->gradient->tape));
+  if (model->gradient && MpmGradientAnyClosed(model->gradient))
+    PetscCall(MpmTapeRestart(model, &model->gradient->tape));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -235,20 +264,22 @@ PetscErrorCode MpmGradientFind(MpmModel model)
   PetscFunctionBeginUser;
   if (!gradient || gradient->rows < 2) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGradientEvaluate(model, &found->objective));
-  PetscCall(PetscMalloc1(count, &found->names));
-  PetscCall(PetscCalloc1(count, &found->gradient));
-  for (PetscInt k = 0; k < count; k++) found->names[k] = gradient->parameters.at[k].name;
+  PetscCall(PetscMalloc2(count, &found->names, count, &found->methods));
+  PetscCall(PetscCalloc2(count, &found->gradient, count, &found->errors));
+  for (PetscInt k = 0; k < count; k++) {
+    found->names[k]   = gradient->parameters.at[k].name;
+    found->methods[k] = MpmGradientMethods[MpmGradientIsClosed(gradient, k) ? gradient->method : MPM_GRADIENT_TWINS];
+  }
+  if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS); /* no derivatives */
+  found->count = count;
+  if (!MpmGradientAnyClosed(gradient)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Differentiate(model, PETSC_FALSE, found->gradient));
   if (gradient->checks) {
     PetscCall(PetscCalloc1(count, &found->tangent));
     PetscCall(Differentiate(model, PETSC_TRUE, found->tangent));
   }
-  if (model->caller.outcome.code) PetscFunctionReturn(PETSC_SUCCESS); /* no derivatives */
-  found->count = count;
   if (gradient->kind) PetscCall((*gradient->kind->finish)(model));
   else PetscCall(MpmTapeFinish(model, &gradient->tape));
-  PetscCall(MpmMonitorNote(&model->monitor, "objective %.10g", (double)found->objective));
-  for (PetscInt k = 0; k < count; k++)
-    PetscCall(MpmMonitorNote(&model->monitor, "derivative by %s: %.10g", found->names[k], (double)found->gradient[k]));
+  if (model->caller.outcome.code) found->count = 0; /* no derivatives */
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -11,7 +11,10 @@
 #include "sensitivity/parameters.h"
 #include "sensitivity/tape.h"
 
-typedef enum { MPM_GRADIENT_ADJOINT, MPM_GRADIENT_TANGENT } MpmGradientMethod;
+typedef enum { MPM_GRADIENT_ADJOINT, MPM_GRADIENT_TANGENT, MPM_GRADIENT_TWINS } MpmGradientMethod;
+extern const char *const MpmGradientMethods[]; /* their words, and NULL */
+
+#define MPM_OPEN_TEXT 256 /* of a part of a scene without derivatives in closed form */
 
 /* How a kind of scene is differentiated; NULL in their place: a scene on a grid. */
 typedef struct {
@@ -46,24 +49,31 @@ struct MpmGradient {
   PetscReal             *curves; /* values of each objective's column: by step, its start first */
   PetscInt               rows;   /* steps so far, and the start */
   PetscReal             *times;
-  PetscReal             *weights; /* derivatives of the objectives' sum by these values */
-  PetscReal             *slopes;  /* derivatives of the values by parameter k: [(k*rows + n)*objectives + o]; tangent */
+  PetscReal             *weights;    /* derivatives of the objectives' sum by these values */
+  PetscReal             *slopes;     /* derivatives of the values by parameter k: [(k*rows + n)*objectives + o] */
+  PetscReal             *signatures; /* of each step's decisions */
+  char                   open[MPM_OPEN_TEXT]; /* part without derivatives in closed form; empty: none */
 };
 
-/* Reads -mpm_task and its blocks, behind the other blocks of the scene; refuses a scene with parts that have no
-   derivative. */
+/* Reads -mpm_task and its blocks, behind the other blocks of the scene. */
 PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options, const MpmGradientKind *kind);
 /* The columns that the history will have. */
 PetscErrorCode MpmGradientAddColumns(MpmModel model, MpmColumns *columns);
 PetscErrorCode MpmGradientDestroy(MpmGradient **gradient);
-/* Fails where the scene has a part without derivatives (differentiable.c). */
-PetscErrorCode MpmGradientCheckScene(const MpmModel model);
-/* Fails where the last step has used a part without derivatives. Collective. */
+/* The part of a scene, and that of the last step, which has no derivatives in closed form; or no text. Collective. */
+PetscErrorCode MpmGradientFindOpen(const MpmModel model, char text[MPM_OPEN_TEXT]);
+PetscErrorCode MpmGradientFindOpened(const MpmModel model, char text[MPM_OPEN_TEXT]);
+/* Fails where the run has changed by itself in a way that has no derivatives. */
 PetscErrorCode MpmGradientCheckRun(const MpmModel model, MpmOutcome *outcome);
 /* True where the points' state at the first step depends on parameters. */
 PetscBool MpmGradientStartDiffers(const MpmModel model);
-/* Begin: before the first step, and before anything is written. Record: after each. Find: after the last one, into the
-   results' derivatives. Nothing where none are asked for. Collective. */
+/* True where the derivative by parameter k, or by any, is taken in closed form, by a run over the tape. */
+PetscBool MpmGradientIsClosed(const MpmGradient *gradient, PetscInt k);
+PetscBool MpmGradientAnyClosed(const MpmGradient *gradient);
+/*
+  Begin: before the first step, and before anything is written. Record: after each. Find: after the last one, into the
+  results' derivatives; those that have no closed form are left for twins. Nothing where none are asked for. Collective.
+*/
 PetscErrorCode MpmGradientBegin(MpmModel model);
 PetscErrorCode MpmGradientRecord(MpmModel model);
 /* A stage has begun. */

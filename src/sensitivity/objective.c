@@ -197,6 +197,9 @@ static const char *OptionOf(const MpmObjective *objective)
   return objective->kind == MPM_OBJECTIVE_ABSCISSA ? "over" : "column";
 }
 
+/* Columns of decisions, which derivatives hold. */
+static const char *const counted[] = {"step", "time", "dt", "newton", "linear", "cuts", "stage", "resets"};
+
 PetscErrorCode MpmObjectivesFind(const MpmColumns *columns, MpmObjectives *objectives)
 {
   PetscFunctionBeginUser;
@@ -208,8 +211,10 @@ PetscErrorCode MpmObjectivesFind(const MpmColumns *columns, MpmObjectives *objec
     objective->row = MpmColumnsFind(columns, objective->column, &objective->part);
     MpmCheckInput(objective->row >= 0, "-mpm_%s_%s_%s %s: the history has no such column; the nearest is %s", block,
                   objective->name, OptionOf(objective), objective->column, nearest ? nearest : "none");
-    MpmCheckInput(columns->map[objective->row], "-mpm_%s_%s_%s %s: there is no derivative of this column yet", block,
-                  objective->name, OptionOf(objective), objective->column);
+    for (size_t c = 0; c < PETSC_STATIC_ARRAY_LENGTH(counted); c++)
+      MpmCheckInput(objective->kind == MPM_OBJECTIVE_ABSCISSA || strcmp(objective->column, counted[c]),
+                    "-mpm_%s_%s_%s %s: there is no derivative of this column", block, objective->name,
+                    OptionOf(objective), objective->column);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,25 +5,13 @@
 #include "options/options.h"
 #include "point/material.h"
 #include "loads/load.h"
-#include "query/model.h"
 #include "sensitivity/parameters.h"
 
-/* A block's name, with or without the word of its kind in front: soil, material_soil. */
-static PetscBool Names(const char text[], size_t length, const char kind[], const char name[])
-{
-  const size_t head = strlen(kind);
-
-  if (length == strlen(name) && !strncmp(text, name, length)) return PETSC_TRUE;
-  return (PetscBool)(length == head + strlen(name) && !strncmp(text, kind, head) &&
-                     !strncmp(&text[head], name, length - head));
-}
-
-static PetscInt FindBlock(const char of[], size_t length, const char kind[], PetscInt count, char *const names[])
-{
-  for (PetscInt k = 0; k < count; k++)
-    if (Names(of, length, kind, names[k])) return k;
-  return -1;
-}
+/* Blocks whose numbers have derivatives in closed form. */
+typedef struct {
+  const MpmMaterials *materials;
+  const MpmLoads     *loads;
+} Places;
 
 /* The parameter table's row of this name, or -1. */
 static PetscInt FindRow(const MpmLawInfo *info, const char key[])
@@ -33,60 +21,67 @@ static PetscInt FindRow(const MpmLawInfo *info, const char key[])
   return -1;
 }
 
-static PetscErrorCode FindInMaterial(MpmModel model, const char key[], MpmSceneParameter *parameter)
+/* A law's number of one value, of a material that does not vary from place to place. */
+static void FindInMaterials(const Places *places, const char option[], MpmSceneParameter *parameter)
 {
-  const MpmMaterial *material = &model->scene.materials->at[parameter->index];
-  char              *words    = NULL;
+  const MpmMaterials *materials = places->materials;
 
-  PetscFunctionBeginUser;
-  for (size_t k = 0; k < material->info.parameter_count; k++)
-    PetscCall(MpmTextAppend(&words, "%s%s", words ? ", " : "", material->info.parameters[k].name));
-  parameter->kind  = MPM_OF_LAW;
-  parameter->place = FindRow(&material->info, key);
-  MpmCheckInput(parameter->place >= 0, "-mpm_parameters %s: material %s has no parameter %s; it has %s",
-                parameter->name, material->name, key, words);
-  PetscCall(PetscFree(words));
-  MpmCheckInput(material->info.parameters[parameter->place].kind <= MPM_STRENGTH_ANGLE,
-                "-mpm_parameters %s: is no number of one value: there is no derivative by it yet", parameter->name);
-  MpmCheckInput(!material->varies,
-                "-mpm_parameters %s: material %s varies from place to place: there is no derivative "
-                "by its parameters yet",
-                parameter->name, material->name);
-  parameter->density = (PetscBool)!strcmp(key, "density");
-  parameter->value   = material->parameter[parameter->place];
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt m = 0; m < materials->count; m++) {
+    const MpmMaterial *material = &materials->at[m];
+    const size_t       length   = strlen(materials->names[m]);
+    PetscInt           row;
+
+    if (strncmp(option, materials->names[m], length) || option[length] != '_') continue;
+    row = FindRow(&material->info, &option[length + 1]);
+    if (row < 0 || material->info.parameters[row].kind > MPM_STRENGTH_ANGLE || material->varies) continue;
+    parameter->kind    = MPM_OF_LAW;
+    parameter->index   = m;
+    parameter->place   = row;
+    parameter->density = (PetscBool)!strcmp(&option[length + 1], "density");
+    parameter->value   = material->parameter[row];
+  }
 }
+
+/* A load's magnitude. */
+static void FindInLoads(const Places *places, const char option[], MpmSceneParameter *parameter)
+{
+  for (PetscInt l = 0; l < places->loads->count; l++) {
+    const MpmLoad *load   = &places->loads->at[l];
+    const size_t   length = strlen(load->name);
+
+    if (strncmp(option, load->name, length) || strcmp(&option[length], "_value")) continue;
+    parameter->kind  = MPM_OF_LOAD;
+    parameter->index = l;
+  }
+}
+
+/* Kinds with derivatives in closed form: the head of their options' names, and who knows such a number. */
+static const struct {
+  const char *head;
+  PetscBool   factor; /* of all numbers of the option */
+  void (*find)(const Places *places, const char option[], MpmSceneParameter *parameter);
+} closed[] = {
+  {"-mpm_material_", PETSC_FALSE, FindInMaterials},
+  {"-mpm_load_", PETSC_TRUE, FindInLoads},
+};
 
 /* The block and number of a parameter's name, "soil.E". */
-static PetscErrorCode Resolve(MpmModel model, MpmSceneParameter *parameter)
+static PetscErrorCode Resolve(const MpmOptions *options, const Places *places, MpmSceneParameter *parameter)
 {
-  const char    *name = parameter->name, *dot = strrchr(name, '.');
-  const size_t   length = dot ? (size_t)(dot - name) : 0;
-  const PetscInt material =
-    FindBlock(name, length, "material_", model->scene.materials->count, model->scene.materials->names);
-  const PetscInt load = FindBlock(name, length, "load_", model->scene.loads->count, model->scene.loads->names);
-
   PetscFunctionBeginUser;
-  MpmCheckInput(dot && length && dot[1], "-mpm_parameters %s: must be NAME.KEY, a block by its name and a number of it",
-                name);
-  MpmCheckInput(material < 0 || load < 0,
-                "-mpm_parameters %s: must be material_%s or load_%s: both blocks have this name", name, name, name);
-  MpmCheckInput(material >= 0 || load >= 0,
-                "-mpm_parameters %s: no material or load has this name; derivatives by other blocks are not there yet",
-                name);
-  if (material >= 0) {
-    parameter->index = material;
-    PetscCall(FindInMaterial(model, &dot[1], parameter));
-    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParameterFindOptions(options->record, places->loads, parameter));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(closed) && parameter->option_count == 1; k++) {
+    const MpmParameterOption *option = &parameter->options[0];
+    const size_t              head   = strlen(closed[k].head);
+
+    if (!strncmp(option->name, closed[k].head, head) && closed[k].factor == (PetscBool)(option->place < 0))
+      (*closed[k].find)(places, &option->name[head], parameter);
   }
-  MpmCheckInput(!strcmp(&dot[1], "factor"), "-mpm_parameters %s: of a load the only parameter so far is factor", name);
-  parameter->kind  = MPM_OF_LOAD;
-  parameter->index = load;
-  parameter->value = 1.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Add(MpmModel model, const char name[], const char *block, MpmSceneParameters *parameters)
+static PetscErrorCode Add(const MpmOptions *options, const Places *places, const char name[], const char *block,
+                          MpmSceneParameters *parameters)
 {
   MpmSceneParameter *parameter;
 
@@ -98,25 +93,26 @@ static PetscErrorCode Add(MpmModel model, const char name[], const char *block, 
   PetscCall(PetscMemzero(parameter, sizeof(*parameter)));
   PetscCall(PetscStrallocpy(name, &parameter->name));
   PetscCall(PetscStrallocpy(block, &parameter->block));
-  PetscCall(Resolve(model, parameter));
+  PetscCall(Resolve(options, places, parameter));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Names at commas, of one block or of the short form. */
-static PetscErrorCode AddNames(MpmModel model, const char text[], const char *block, MpmSceneParameters *parameters)
+static PetscErrorCode AddNames(const MpmOptions *options, const Places *places, const char text[], const char *block,
+                               MpmSceneParameters *parameters)
 {
   PetscInt count;
   char   **names;
 
   PetscFunctionBeginUser;
   PetscCall(MpmTextSplit(text, &count, &names));
-  for (PetscInt k = 0; k < count; k++) PetscCall(Add(model, names[k], block, parameters));
+  for (PetscInt k = 0; k < count; k++) PetscCall(Add(options, places, names[k], block, parameters));
   PetscCall(MpmNamesDestroy(count, &names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The names of the short form. */
-static PetscErrorCode ReadShort(MpmModel model, const MpmOptions *options, MpmSceneParameters *parameters)
+static PetscErrorCode ReadShort(const MpmOptions *options, const Places *places, MpmSceneParameters *parameters)
 {
   const MpmOptions block = {options->comm, "mpm_gradient_", options->record};
   char            *text;
@@ -125,15 +121,17 @@ static PetscErrorCode ReadShort(MpmModel model, const MpmOptions *options, MpmSc
   PetscCall(MpmOptionsText(&block, "parameters",
                            "short form of -mpm_parameters: what results are differentiated by, NAME.KEY,...", NULL,
                            MPM_OPTIONAL, &text));
-  if (text && !MpmOptionsHelp()) PetscCall(AddNames(model, text, NULL, parameters));
+  if (text && !MpmOptionsHelp()) PetscCall(AddNames(options, places, text, NULL, parameters));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSceneParametersRead(MpmModel model, const MpmOptions *options, MpmSceneParameters *parameters)
+PetscErrorCode MpmSceneParametersRead(const MpmOptions *options, const MpmMaterials *materials, const MpmLoads *loads,
+                                      MpmSceneParameters *parameters)
 {
-  PetscInt count;
-  char   **names;
+  const Places places[] = {{materials, loads}};
+  PetscInt     count;
+  char       **names;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsBlocks(options, "parameters", "names of the numbers by which results are differentiated",
@@ -146,14 +144,15 @@ PetscErrorCode MpmSceneParametersRead(MpmModel model, const MpmOptions *options,
     PetscCall(MpmOptionsHeading(&block, "Parameter"));
     PetscCall(
       MpmOptionsText(&block, "of",
-                     "NAME.KEY: a number of a law, soil.E, or the factor of a load, tip.factor; material_soil.E "
-                     "where several blocks have the name; several, at commas: one number for all of them",
+                     "NAME.KEY: a number of a block, soil.E, or the factor of its magnitudes, tip.factor; KEY:2 or "
+                     "KEY:y of several numbers; material_soil.E where several blocks have the name; several, at "
+                     "commas: one number for all of them",
                      NULL, MPM_REQUIRED, &of));
-    if (!MpmOptionsHelp()) PetscCall(AddNames(model, of, names[k], parameters));
+    if (!MpmOptionsHelp()) PetscCall(AddNames(options, places, of, names[k], parameters));
     PetscCall(PetscFree(of));
   }
   PetscCall(MpmNamesDestroy(count, &names));
-  PetscCall(ReadShort(model, options, parameters));
+  PetscCall(ReadShort(options, places, parameters));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -161,8 +160,15 @@ PetscErrorCode MpmSceneParametersDestroy(MpmSceneParameters *parameters)
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < parameters->count; k++) {
-    PetscCall(PetscFree(parameters->at[k].name));
-    PetscCall(PetscFree(parameters->at[k].block));
+    MpmSceneParameter *parameter = &parameters->at[k];
+
+    for (PetscInt i = 0; i < parameter->option_count; i++) {
+      PetscCall(PetscFree(parameter->options[i].name));
+      PetscCall(PetscFree(parameter->options[i].text));
+    }
+    PetscCall(PetscFree(parameter->options));
+    PetscCall(PetscFree(parameter->name));
+    PetscCall(PetscFree(parameter->block));
   }
   PetscCall(PetscFree(parameters->at));
   PetscFunctionReturn(PETSC_SUCCESS);

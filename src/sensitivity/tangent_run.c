@@ -83,7 +83,8 @@ PetscErrorCode MpmTangentRun(MpmModel model, PetscReal values[])
     PetscCall(MpmTapeReplay(model, &gradient->tape, n));
     PetscCall(MpmReplayedStepCreate(model, n, &step));
     PetscCall(MpmReplayedSolveSetUp(model));
-    for (PetscInt k = 0; k < count; k++) PetscCall(StepAlong(model, n, k, &step.map, &vectors[k]));
+    for (PetscInt k = 0; k < count; k++)
+      if (MpmGradientIsClosed(gradient, k)) PetscCall(StepAlong(model, n, k, &step.map, &vectors[k]));
     PetscCall(MpmReplayedStepDestroy(&step));
   }
   for (PetscInt k = 0; k < count; k++) PetscCall(MpmPointVectorDestroy(&vectors[k]));

@@ -112,10 +112,9 @@ with Test() as test:
 
     refuse(test, "no_parameters", "cantilever", "-mpm_parameters is missing", **ask)
     refuse(test, "no_objectives", "cantilever", "-mpm_objectives is missing", mpm_gradient_parameters="beam.E")
-    refuse(test, "key", "cantilever", "no parameter Q", mpm_gradient_parameters="beam.Q", **ask)
-    refuse(test, "block", "cantilever", "no material or load has this name", mpm_gradient_parameters="soil.E", **ask)
+    refuse(test, "key", "cantilever", "beam has no number Q", mpm_gradient_parameters="beam.Q", **ask)
+    refuse(test, "block", "cantilever", "no block has this name", mpm_gradient_parameters="soil.E", **ask)
     refuse(test, "column", "cantilever", "no such column", mpm_gradient_parameters="beam.E",
            **{**ask, "mpm_objective_u_column": "track_tip_uw"})
     refuse(test, "without", "cantilever", "no derivative of this column", mpm_gradient_parameters="beam.E",
            **{**ask, "mpm_objective_u_column": "newton"})
-    refuse(test, "dynamics", "vibrating_bar", "no derivatives yet with inertia", mpm_gradient_parameters="bar.E", **ask)

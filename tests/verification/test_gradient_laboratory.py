@@ -151,8 +151,8 @@ with Test() as test:
     run = test.run(empty, status=2, **both, **side, mpm_tests="low,high", mpm_point_path="oedometer", mpm_objective_u_column="q")
     test.check("tests.point", "the scene has the block point, too" in run.errors, 1, 1)
 
-    refuse(test, "key", "no parameter Q", mpm_gradient_parameters="clay.Q")
+    refuse(test, "key", "clay has no number Q", mpm_gradient_parameters="clay.Q")
     refuse(test, "absent", "the scene does not give it", mpm_gradient_parameters="clay.pop")
-    refuse(test, "block", "no material or load has this name", mpm_gradient_parameters="sand.M")
+    refuse(test, "block", "no block has this name", mpm_gradient_parameters="sand.M")
     refuse(test, "column", "no derivative of this column", mpm_objective_u_column="newton")
     refuse(test, "memory", "is too little", mpm_gradient_memory=100)
