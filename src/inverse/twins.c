@@ -32,6 +32,7 @@ static const PetscReal changes[] = {1e-5, 1e-6, 1e-7, 1e-4, 1e-8};
 typedef struct {
   PetscReal *slope; /* as the gradient's, of one parameter */
   PetscInt   apart; /* first step with other decisions, or 0 */
+  PetscReal  bend;  /* second difference over the first one, about the root of the error by curvature */
 } Difference;
 
 /* Differences by one parameter. */
@@ -75,6 +76,7 @@ static PetscErrorCode DifferenceAside(Twins *twins, PetscReal c, Difference *dif
   PetscBool    good = PETSC_TRUE;
 
   PetscFunctionBeginUser;
+  difference->bend = 1.;
   if (!twins->centre.curves) PetscCall(Run(twins, value, difference, &twins->centre, &good));
   if (good) PetscCall(Run(twins, value + c, difference, &near, &good));
   if (good) PetscCall(Run(twins, value + 2. * c, difference, &far, &good));
@@ -87,6 +89,25 @@ static PetscErrorCode DifferenceAside(Twins *twins, PetscReal c, Difference *dif
   PetscCall(MpmTwinDestroy(&near));
   PetscCall(MpmTwinDestroy(&far));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Second differences over the first ones, the largest of all objectives. */
+static PetscReal Bend(const Twins *twins, const MpmTwin *high, const MpmTwin *low)
+{
+  const MpmGradient *gradient = twins->model->gradient;
+  const PetscInt     count    = gradient->objectives.count;
+  PetscReal          most     = 0.;
+
+  for (PetscInt o = 0; o < count; o++) {
+    PetscReal first = 0., second = 0.;
+
+    for (PetscInt n = o; n < twins->size; n += count) {
+      first  = PetscMax(first, PetscAbsReal(high->curves[n] - low->curves[n]));
+      second = PetscMax(second, PetscAbsReal(high->curves[n] + low->curves[n] - 2. * gradient->curves[n]));
+    }
+    if (first > 0.) most = PetscMax(most, second / first);
+  }
+  return most;
 }
 
 /* Differences over one change; to one side where the other is out of the option's range. */
@@ -110,6 +131,7 @@ static PetscErrorCode FindDifference(Twins *twins, PetscReal change, Difference 
     PetscCall(PetscMalloc1(twins->size, &difference->slope));
     for (PetscInt i = 0; i < twins->size; i++)
       difference->slope[i] = (high.curves[i] - low.curves[i]) / (above - below);
+    difference->bend = Bend(twins, &high, &low);
   }
   PetscCall(MpmTwinDestroy(&high));
   PetscCall(MpmTwinDestroy(&low));
@@ -135,7 +157,10 @@ static PetscReal Distance(const Twins *twins, const Difference *a, const Differe
   return most;
 }
 
-/* The two differences over changes beside each other that agree best; `best` is that of the smaller change. */
+/*
+  The two differences over changes beside each other that agree best. `best` is that of the smaller change, unless the
+  error of the larger one by curvature is less than their distance, which is then due to rounding.
+*/
 static PetscReal Choose(const Twins *twins, PetscInt *best, PetscInt *second)
 {
   PetscReal least = PETSC_INFINITY;
@@ -153,6 +178,12 @@ static PetscReal Choose(const Twins *twins, PetscInt *best, PetscInt *second)
       *second = i;
       *best   = j;
     }
+  }
+  if (*best >= 0 && PetscSqr(twins->at[*second].bend) < least) {
+    const PetscInt smaller = *best;
+
+    *best   = *second;
+    *second = smaller;
   }
   return least;
 }
