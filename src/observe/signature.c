@@ -29,10 +29,12 @@ static uint64_t Join(uint64_t word, PetscInt count, const PetscInt numbers[])
   return word;
 }
 
-/* Points: their nodes, and their cell. */
+/* Points: their nodes, and their cell, or all that their domains lie in. */
 static uint64_t SumPoints(const MpmSpace *space, const MpmPoints *points)
 {
-  uint64_t sum = 0;
+  const MpmSpread *spread = space->cells.spread;
+  const PetscInt   dim    = space->dim;
+  uint64_t         sum    = 0;
 
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
@@ -41,8 +43,13 @@ static uint64_t SumPoints(const MpmSpace *space, const MpmPoints *points)
     if (group->point_begin == group->point_end) continue;
     word = Join(Join(word, space->dim, group->first), space->dim, group->count);
     if (space->cells.count) word = Join(word, space->dim, space->groups[space->cells.at[group->cell].box].first);
-    for (PetscInt s = group->point_begin; s < group->point_end; s++)
-      sum += Scramble(word ^ Scramble((uint64_t)points->id[space->order[s]]));
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const PetscInt p = space->order[s];
+      const uint64_t here =
+        spread ? Join(Join(word, dim, &spread->first[p * dim]), dim, &spread->count[p * dim]) : word;
+
+      sum += Scramble(here ^ Scramble((uint64_t)points->id[p]));
+    }
   }
   return sum;
 }
