@@ -4,7 +4,7 @@
 */
 #include "io/csv_table.h"
 #include "io/io.h"
-#include "sensitivity/inverse_settings.h"
+#include "query/inverse_settings.h"
 #include "inverse/problem.h"
 
 /* Rows of an earlier analysis that goes on (trace.c). */

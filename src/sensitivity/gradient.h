@@ -4,10 +4,10 @@
 */
 #include "query/model.h"
 #include "query/point_vector.h"
-#include "sensitivity/inverse_settings.h"
+#include "query/inverse_settings.h"
 #include "sensitivity/measurement.h"
 #include "sensitivity/objective.h"
-#include "sensitivity/parameter_range.h"
+#include "query/parameter_range.h"
 #include "sensitivity/parameters.h"
 #include "sensitivity/tape.h"
 

@@ -1,7 +1,7 @@
 /*
   Settings of an inverse analysis.
 */
-#include "sensitivity/inverse_settings.h"
+#include "query/inverse_settings.h"
 
 PetscErrorCode MpmInverseSettingsRead(const MpmOptions *options, MpmInverseSettings *settings)
 {

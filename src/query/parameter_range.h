@@ -7,7 +7,7 @@
 */
 #include "base/base.h"
 #include "options/options.h"
-#include "sensitivity/parameters.h"
+#include "query/scene_parameter.h"
 
 typedef enum { MPM_TRANSFORM_NONE, MPM_TRANSFORM_LOG, MPM_TRANSFORM_LOGIT } MpmTransform;
 

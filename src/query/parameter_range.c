@@ -2,7 +2,7 @@
   Parameters of an inverse analysis: transforms, bounds, priors.
 */
 #include <string.h>
-#include "sensitivity/parameter_range.h"
+#include "query/parameter_range.h"
 
 PetscReal MpmRangeTransform(const MpmParameterRange *range, PetscReal value)
 {
