@@ -7,6 +7,7 @@
 #include "options/options.h"
 #include "point/material.h"
 #include "laboratory/stress_point_slopes.h"
+#include "particles/particles.h"
 #include "query/model.h"
 #include "observe/history.h"
 #include "observe/results.h"
@@ -51,8 +52,9 @@ PetscErrorCode MpmLaboratorySetUp(MpmModel model)
     laboratory->size += MpmStressPointChangeSize(&test->point);
     model->state.active_dofs_max += test->point.equations.count;
   }
-  model->caller.set_up = PETSC_TRUE;
-  model->state.time    = laboratory->tests[0].path.time[0];
+  model->caller.set_up          = PETSC_TRUE;
+  model->state.particles->total = laboratory->count;
+  model->state.time             = laboratory->tests[0].path.time[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

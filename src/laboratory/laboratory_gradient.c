@@ -38,14 +38,17 @@ static PetscErrorCode Check(MpmModel model)
   const MpmLaboratory      *laboratory = model->laboratory;
 
   PetscFunctionBeginUser;
+  MpmCheckInput(model->gradient->method == MPM_GRADIENT_ADJOINT || model->gradient->method == MPM_GRADIENT_TANGENT,
+                "-mpm_gradient_method: of a laboratory test must be adjoint or tangent");
   for (PetscInt k = 0; k < parameters->count; k++) {
     const MpmSceneParameter *parameter = &parameters->at[k];
     PetscBool                acts      = PETSC_FALSE;
 
     for (PetscInt t = 0; t < laboratory->count && parameter->kind == MPM_OF_LAW; t++)
       if (Acts(parameter, &laboratory->tests[t])) acts = PETSC_TRUE;
-    MpmCheckInput(acts, "-mpm_parameters %s: no result depends on it: it is no number of the material of a test",
-                  parameter->name);
+    MpmCheckInput(parameter->kind == MPM_OF_LAW,
+                  "-mpm_parameters %s: there is no derivative of a laboratory test by it yet", parameter->name);
+    MpmCheckInput(acts, "-mpm_parameters %s: no result depends on it: no test is of that material", parameter->name);
     MpmCheckInput(!PetscIsInfOrNanReal(parameter->value),
                   "-mpm_parameters %s: the scene does not give it: there is no derivative by it", parameter->name);
   }

@@ -137,7 +137,6 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
     summary.scene.shape       = NULL;
     summary.solution.jacobian = MpmJacobianTypes[MPM_JACOBIAN_LOCAL];
     summary.solution.solver   = "direct";
-    summary.points            = 1;
   }
   PetscCall(PetscTime(&now));
   summary.time_total = now - model->results->start;

@@ -24,7 +24,6 @@ CLAY = {"density": 2000, "kappa": 0.02, "lambda": 0.1, "M": 1.2, "G": 4e6, "spec
 SAND = {"density": 2000, "kappa": 0.003, "G": 30e6, "M": 1.25, "N": 0.3, "beta": 0.9, "lambda": 0.03, "v_c0": 1.9, "h": 80,
         "specific_volume": 1.72, "reference_pressure": 90e3}
 FLUID = {"density": 1000, "gamma": 6.5, "viscosity": 2e3, "pressure_min": -1e9}
-SHEARED = ("simple_shear", "oedometer", "triaxial_undrained")
 LAWS = [
     ("linear_elastic", ELASTIC, PRESSED), ("hencky", ELASTIC, PRESSED), ("neo_hookean", ELASTIC, PRESSED),
     ("jaumann_elastic", {**ELASTIC, "cohesion": 20e3, "friction": 30, "dilation": 5, "tension": 10e3}, PRESSED),
@@ -44,6 +43,9 @@ LAWS = [
     ("ogden", {"density": 1000, "terms": "1.5:0.5e6,4:0.1e6", "nu": 0.4}, PRESSED),
 ]
 PATHS = {3: ("triaxial_drained", "triaxial_undrained", "simple_shear"), 2: ("biaxial_drained", "oedometer")}
+MEASURES = {"triaxial_drained": ("kirchhoff", "log"), "triaxial_undrained": ("cauchy", "engineering"),
+            "simple_shear": ("kirchhoff", "engineering"), "biaxial_drained": ("cauchy", "engineering"),
+            "oedometer": ("cauchy", "log")}
 CARRIED = {"linear_elastic", "hencky", "neo_hookean", "ogden"}  # stress by deformation, which in plane strain decides zz
 NO_STRENGTH = {"newtonian"}  # without a shear stress at rest: no path with a prescribed stress
 KNOWN = [  # by Richardson's extrapolation of differences of runs; `steps` of the scene
@@ -59,6 +61,7 @@ def scene(law, parameters, stress, dim, path):
     return {"mpm_dim": dim, "mpm_physics": "stress_point", "mpm_materials": "m", "mpm_material_m_type": law,
             **{"mpm_material_m_" + name: value for name, value in parameters.items()}, "mpm_point_material": "m",
             "mpm_point_stress": ",".join(numbers), "mpm_point_path": path, "mpm_point_steps": 12,
+            "mpm_point_measure": MEASURES[path][0], "mpm_point_strain": MEASURES[path][1],
             "mpm_point_end": 0.03 if path == "simple_shear" else -0.03, "snes_rtol": 1e-14}
 
 
@@ -151,7 +154,15 @@ with Test() as test:
     run = test.run(empty, status=2, **both, **side, mpm_tests="low,high", mpm_point_path="oedometer", mpm_objective_u_column="q")
     test.check("tests.point", "the scene has the block point, too" in run.errors, 1, 1)
 
+    # parameters of three tests at one time, found from their curves
+    folder = example("calibrate_triaxial").parent
+    data = {f"mpm_objective_{name}_{of}_data": folder / f"{name}.csv" for name in ("low", "middle", "high") for of in "qv"}
+    run = test.run(example("calibrate_triaxial"), mpm_quiet=None, **data)
+    test.check_example("calibrate", run, "calibrate_triaxial")
+
     refuse(test, "key", "clay has no number Q", mpm_gradient_parameters="clay.Q")
+    refuse(test, "option", "no derivative of a laboratory test by it yet", mpm_gradient_parameters="point.end")
+    refuse(test, "twins", "must be adjoint or tangent", mpm_gradient_method="twins")
     refuse(test, "absent", "the scene does not give it", mpm_gradient_parameters="clay.pop")
     refuse(test, "block", "no block has this name", mpm_gradient_parameters="sand.M")
     refuse(test, "column", "no derivative of this column", mpm_objective_u_column="newton")
