@@ -18,6 +18,7 @@
 #define LESS         0.05 /* after one that was */
 #define LEAST        1e-4 /* smaller ones are none */
 #define MOST_DAMPING 1e8
+#define MOST_CHANGE  2.302585092994046 /* of a logarithm in one step: tenfold */
 
 /* Parameters that a step changes. */
 static PetscInt FindFree(const MpmInverse *inverse, const MpmEvaluation *at, PetscInt of[])
@@ -33,6 +34,17 @@ static PetscInt FindFree(const MpmInverse *inverse, const MpmEvaluation *at, Pet
     of[free++] = k;
   }
   return free;
+}
+
+/* A step in which no logarithm changes by more than is sensible: derivatives tell nothing of places so far away. */
+static void Shorten(const MpmInverse *inverse, const PetscReal from[], PetscReal to[])
+{
+  PetscReal most = MOST_CHANGE;
+
+  for (PetscInt k = 0; k < inverse->problem.count; k++)
+    if (inverse->problem.ranges->at[k].transform != MPM_TRANSFORM_NONE)
+      most = PetscMax(most, PetscAbsReal(to[k] - from[k]));
+  for (PetscInt k = 0; k < inverse->problem.count; k++) to[k] = from[k] + (to[k] - from[k]) * MOST_CHANGE / most;
 }
 
 /* The parameters after a step with this damping. */
@@ -61,6 +73,7 @@ static PetscErrorCode FindTrial(const MpmInverse *inverse, const MpmEvaluation *
       t[of[k]] -= singular.v[k * singular.count + i] * sum * w / (w * w + damping * first * first) *
                   MpmInverseSize(inverse, at->t, of[k]);
   }
+  Shorten(inverse, at->t, t);
   MpmInverseClip(inverse, t);
   PetscCall(MpmSingularDestroy(&singular));
   PetscCall(PetscFree2(of, scaled));

@@ -171,6 +171,10 @@ with Test() as test:
     _, found = analyse(test, **data, **parameters(E={**YOUNG, "bounds": "6e6,40e6"}), mpm_inverse_starts=2)
     test.near("starts.E", found["values"][0], E, relative=1e-6)
 
+    for method in ("gauss_newton", "blmvm"):
+        run = test.run(example("inverse_footing"), mpm_inverse_method=method, mpm_quiet=None)
+        test.check_example(f"footing.{method}", run, "inverse_footing")
+
     refuse(test, "start", "outside of its bounds", **data, **parameters(E={**YOUNG, "start": 1e10}))
     refuse(test, "bounds", "bounds is missing", **data, **parameters(nu={"of": "beam.nu", "transform": "logit"}))
     refuse(test, "log", "no logarithm", **data, **parameters(nu={"of": "beam.nu", "transform": "log", "start": 0}))
