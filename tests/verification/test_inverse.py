@@ -8,13 +8,15 @@ Quick.
 """
 import csv
 import json
+import os
 import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import Test, example  # noqa: E402
+from talus_test import ROOT, Test, example  # noqa: E402
 
 BEAM = {"mpm_grid_cells": "30,30", "mpm_body_beam_points_per_cell": "3,3", "mpm_time_step": 0.25, "mpm_output_every": 0,
         "snes_rtol": 1e-12, "snes_stol": 0, "mpm_quiet": None}
@@ -170,6 +172,21 @@ with Test() as test:
     write(place / "data.csv", table)
     _, found = analyse(test, **data, **parameters(E={**YOUNG, "bounds": "6e6,40e6"}), mpm_inverse_starts=2)
     test.near("starts.E", found["values"][0], E, relative=1e-6)
+
+    # scipy's least squares ends at the parameters of the program's own analysis
+    os.environ["TALUS"] = str(test.program)
+    sys.path.insert(0, str(ROOT / "python" / "src"))
+    import talus
+    from scipy.optimize import least_squares
+    asked = ({"E": YOUNG, "nu": {**POISSON, "prior": NU, "deviation": 0.5}},
+             {name: {"column": f"track_tip_{name}", "data": pd.DataFrame(table), "deviation": 1e-2} for name in ("ux", "uy")})
+    scene = talus.Scene(example("cantilever")).changed(**{name.removeprefix("mpm_"): value for name, value in BEAM.items()
+                                                          if name.startswith("mpm_") and value is not None}, **{"-snes_rtol": 1e-12})
+    found = talus.invert(scene, *asked, tolerance=1e-11)
+    fit = talus.Residuals(scene, *asked)
+    other = least_squares(fit.residual, fit.start, jac=fit.jacobian, x_scale="jac", xtol=1e-12, ftol=1e-15, gtol=1e-15)
+    test.near("python", np.abs(fit.values(other.x) / found.table["value"] - 1.0).max(), 0.0, absolute=1e-8)
+    test.check("python.intervals", (found.table["lower"] <= found.table["value"]).all(), 1, 1)
 
     for method in ("gauss_newton", "blmvm"):
         run = test.run(example("inverse_footing"), mpm_inverse_method=method, mpm_quiet=None)

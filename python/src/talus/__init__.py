@@ -12,6 +12,7 @@ from . import plot
 from .calibration import Calibration, calibrate
 from .errors import RunError, SceneError
 from .gradients import Gradient, gradient
+from .inverse import Inverse, Residuals, invert, residuals
 from .program import find_program
 from .plot import Picture
 from .results import Results, ResultsError, State
@@ -19,5 +20,5 @@ from .running import run
 from .scene import Scene
 from .sweeps import sweep
 
-__all__ = ["Calibration", "Gradient", "Picture", "Results", "ResultsError", "RunError", "Scene", "SceneError", "State", "calibrate",
-           "find_program", "gradient", "importers", "run", "sweep", "templates"]
+__all__ = ["Calibration", "Gradient", "Inverse", "Picture", "Residuals", "Results", "ResultsError", "RunError", "Scene", "SceneError",
+           "State", "calibrate", "find_program", "gradient", "importers", "invert", "residuals", "run", "sweep", "templates"]
