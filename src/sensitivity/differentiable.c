@@ -192,3 +192,25 @@ PetscErrorCode MpmGradientCheckRun(const MpmModel model, MpmOutcome *outcome)
                      "yet with that"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* True where points are of the material, from the start or from a stage on. */
+static PetscBool IsUsed(const MpmScene *scene, PetscInt material)
+{
+  for (PetscInt b = 0; b < scene->bodies->count; b++) {
+    if (MpmBodyMaterial(scene->bodies->at[b]) == material) return PETSC_TRUE;
+    for (PetscInt k = 0; k < scene->stages.count; k++)
+      if (scene->stages.at[k].name && scene->stages.at[k].material[b] == material) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+PetscErrorCode MpmGradientCheckUse(const MpmModel model)
+{
+  const MpmSceneParameters *parameters = &model->gradient->parameters;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < parameters->count; k++)
+    MpmCheckInput(parameters->at[k].kind != MPM_OF_LAW || IsUsed(&model->scene, parameters->at[k].index),
+                  "-mpm_parameters %s: no result depends on it: no body is of the material", parameters->at[k].name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

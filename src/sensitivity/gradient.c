@@ -106,7 +106,10 @@ PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options, const 
   if (MpmOptionsHelp()) PetscFunctionReturn(MpmGradientDestroy(&model->gradient));
   PetscCall(CheckBlocks(model->gradient, tasks[task]));
   if (kind) PetscCall((*kind->check)(model));
-  else PetscCall(MpmGradientFindOpen(model, model->gradient->open));
+  else {
+    PetscCall(MpmGradientCheckUse(model));
+    PetscCall(MpmGradientFindOpen(model, model->gradient->open));
+  }
   if (!kind) model->disc.grid->balance = PETSC_INFINITY; /* replayed steps have the numbers of their nodes */
   PetscCall(FindColumns(model));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -63,6 +63,8 @@ PetscErrorCode MpmGradientDestroy(MpmGradient **gradient);
 /* The part of a scene, and that of the last step, which has no derivatives in closed form; or no text. Collective. */
 PetscErrorCode MpmGradientFindOpen(const MpmModel model, char text[MPM_OPEN_TEXT]);
 PetscErrorCode MpmGradientFindOpened(const MpmModel model, char text[MPM_OPEN_TEXT]);
+/* Refuses a number of a material that no points are of. */
+PetscErrorCode MpmGradientCheckUse(const MpmModel model);
 /* Fails where the run has changed by itself in a way that has no derivatives. */
 PetscErrorCode MpmGradientCheckRun(const MpmModel model, MpmOutcome *outcome);
 /* True where the points' state at the first step depends on parameters. */

@@ -77,4 +77,6 @@ with Test() as test:
     refuse("key", "did you mean tip.value?", mpm_gradient_parameters="tip.valu")
     refuse("numbers", "has 2 numbers", mpm_gradient_parameters="tip.value")
     refuse("place", "has 2 numbers", mpm_gradient_parameters="tip.value:3")
+    refuse("material", "no body is of the material", mpm_gradient_parameters="rock.E", mpm_materials="beam,rock",
+           mpm_material_rock_type="hencky", mpm_material_rock_E=1e6, mpm_material_rock_nu=0.2, mpm_material_rock_density=1e3)
     refuse("zero", "no result depends on it", mpm_gradient_parameters="time.step", **beam)
