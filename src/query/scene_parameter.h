@@ -6,8 +6,9 @@
 #include "base/types.h"
 #include "options/options.h"
 
-/* By what a parameter acts on: a law's number and a load's magnitude have derivatives in closed form. */
-typedef enum { MPM_OF_LAW, MPM_OF_LOAD, MPM_OF_OPTION } MpmSceneParameterKind;
+/* By what a parameter acts on: a law's number, a load's magnitude, and numbers of the state from which steps start have
+   derivatives in closed form. */
+typedef enum { MPM_OF_LAW, MPM_OF_LOAD, MPM_OF_START, MPM_OF_OPTION } MpmSceneParameterKind;
 
 /* An option that a parameter is a number of, or a factor of all numbers. */
 typedef struct {

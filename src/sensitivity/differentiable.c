@@ -7,6 +7,7 @@
 #include "grid/grid.h"
 #include "particles/body.h"
 #include "particles/particles.h"
+#include "particles/points.h"
 #include "space/space.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
@@ -83,6 +84,14 @@ static PetscBool AnyStressedLater(const MpmScene *scene)
   return PETSC_FALSE;
 }
 
+/* True where bodies that join grow down to the settled ground. */
+static PetscBool AnyFills(const MpmBodies *bodies)
+{
+  for (PetscInt b = 0; b < bodies->count; b++)
+    if (MpmBodyFills(bodies->at[b]) == MPM_FILL_YES) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* True where any stage has inertia, or steps of two stages. */
 static PetscBool AnyMotion(const MpmScene *scene)
 {
@@ -128,6 +137,7 @@ static const char *FindPart(const MpmModel model)
          {"a geostatic stage behind others", AnyLateRest(scene)},
          {"a change of material", AnyChange(scene)},
          {"bodies with initial stress, or from files, that join later", AnyStressedLater(scene)},
+         {"bodies that fill the gap beneath as they join", AnyFills(scene->bodies)},
          {"a reduction of strength", MpmStagesReduce(model)},
          {"a relaxation", (PetscBool)(MpmStagesRelax(model) || AnyRescue(scene))},
          {"steps of two stages (-mpm_time_scheme)", AnySecond(scene)},
@@ -167,12 +177,40 @@ PetscErrorCode MpmGradientFindOpen(const MpmModel model, char text[MPM_OPEN_TEXT
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* True where points are there that no step has moved: parts of divided ones, and those in a gap beneath a body. */
+static PetscErrorCode AnyNewPoints(const MpmModel model, PetscBool *any)
+{
+  MpmPoints points;
+
+  PetscFunctionBeginUser;
+  *any = PETSC_FALSE;
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt p = 0; points.domain.divisions && p < points.count; p++)
+    if (points.domain.divisions[p]) *any = PETSC_TRUE;
+  for (PetscInt b = 0; model->scene.stages.count > 1 && b < model->scene.bodies->count; b++) {
+    PetscInt first, end;
+
+    MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
+    first = MpmBodyFillId(model->scene.bodies->at[b], &points, 0, 0);
+    for (PetscInt p = 0; p < points.count; p++)
+      if (points.id[p] >= first && points.id[p] < end) *any = PETSC_TRUE;
+  }
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, any, 1, MPM_MPI_BOOL, MPI_LOR, model->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmGradientFindOpened(const MpmModel model, char text[MPM_OPEN_TEXT])
 {
-  PetscInt faces = model->disc.space->boxes.faces.count;
+  PetscInt  faces = model->disc.space->boxes.faces.count;
+  PetscBool made;
 
   PetscFunctionBeginUser;
   text[0] = '\0';
+  PetscCall(AnyNewPoints(model, &made));
+  if (made)
+    PetscCall(
+      PetscStrncpy(text, "points that have been divided, or fill a gap beneath a body that has joined", MPM_OPEN_TEXT));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &faces, 1, MPIU_INT, MPI_MAX, model->comm));
   if (faces && PenaltyIsOpen(model))
     PetscCall(

@@ -55,6 +55,16 @@ static void FindInLoads(const Places *places, const char option[], MpmSceneParam
   }
 }
 
+/* k0 of the geostatic stage, which comes first, and a body's initial stress: no step knows them. */
+static void FindInStart(const Places *places, const char option[], MpmSceneParameter *parameter)
+{
+  const char *geostatic = strstr(option, "_geostatic_k0"), *stress = strstr(option, "_initial_stress");
+
+  (void)places;
+  if ((geostatic && !strcmp(geostatic, "_geostatic_k0")) || (stress && !strcmp(stress, "_initial_stress")))
+    parameter->kind = MPM_OF_START;
+}
+
 /* Kinds with derivatives in closed form: the head of their options' names, and who knows such a number. */
 static const struct {
   const char *head;
@@ -63,6 +73,8 @@ static const struct {
 } closed[] = {
   {"-mpm_material_", PETSC_FALSE, FindInMaterials},
   {"-mpm_load_", PETSC_TRUE, FindInLoads},
+  {"-mpm_stage_", PETSC_FALSE, FindInStart},
+  {"-mpm_body_", PETSC_FALSE, FindInStart},
 };
 
 /* The block and number of a parameter's name, "soil.E". */

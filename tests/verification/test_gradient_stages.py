@@ -56,6 +56,11 @@ with Test() as test:
             for step in (-1e-5, 1e-5)]
     test.near("slope.differences", gradient[0], (ends[1] - ends[0]) / 600.0, relative=1e-6)
 
+    # k0 acts on the start alone: the adjoint knows it, as twins of the whole run do
+    _, ratio = agree(test, "k0", slope, "rest.geostatic_k0", "track_crest_uy", **steps)
+    _, twins = differentiate(test, slope, "rest.geostatic_k0", "track_crest_uy", "twins", **steps)
+    test.near("k0.twins", ratio[0], twins[0], relative=1e-6)
+
     # bodies that join, with masses of their own
     dig = Path(__file__).with_name("dig.yaml")
     _, gradient = agree(test, "dig", dig, "soil.E,hard.density,push.factor", "track_top_uy", mpm_stages="rest,dig,fill,load")
