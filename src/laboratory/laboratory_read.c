@@ -106,7 +106,7 @@ PetscErrorCode MpmLaboratoryRead(MpmModel model, const MpmOptions *options, Pets
   PetscCall(PetscCalloc1(materials->count, &materials->at));
   PetscCall(PetscCalloc1(materials->count + 1, &names));
   for (PetscInt m = 0; m < materials->count; m++) {
-    PetscCall(MpmMaterialCreate(options, materials->names[m], dim, &materials->at[m]));
+    PetscCall(MpmMaterialCreate(options, materials->names[m], dim, NULL, &materials->at[m]));
     names[m] = materials->names[m];
     if (materials->at[m].varies) {
       char *varying = NULL;

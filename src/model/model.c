@@ -3,6 +3,7 @@
 */
 #include "options/record.h"
 #include "point/layout.h"
+#include "ground/ground.h"
 #include "point/material.h"
 #include "grid/grid.h"
 #include "particles/body.h"
@@ -175,6 +176,7 @@ static PetscErrorCode DestroyScene(MpmScene *scene)
   PetscCall(PetscFree(scene->boundaries->at));
   PetscCall(PetscFree(scene->loads->at));
   PetscCall(MpmNamesDestroy(scene->materials->count, &scene->materials->names));
+  PetscCall(MpmGroundsDestroy(&scene->materials->grounds));
   PetscCall(PetscFree(scene->materials));
   PetscCall(MpmNamesDestroy(scene->bodies->count, &scene->bodies->names));
   PetscCall(PetscFree(scene->bodies));

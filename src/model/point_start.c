@@ -7,6 +7,7 @@
 #include "point/material.h"
 #include "grid/shape.h"
 #include "particles/body.h"
+#include "particles/ground_points.h"
 #include "particles/particles.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
@@ -253,12 +254,13 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
   }
 }
 
-/* True where a run that goes on needs the bodies: where later stages add or change them, and where contact uses their
-   shape. */
+/* True where a run that goes on needs the bodies: where later stages add or change them, where contact uses their
+   shape, and for fields by body. */
 static PetscBool NeedsBodies(const MpmModel model)
 {
   return (PetscBool)(!model->results->checkpoint.restart || model->scene.stages.at[0].name ||
-                     model->scene.boundaries->count > 0 || model->scene.pairs->count > 0);
+                     model->scene.boundaries->count > 0 || model->scene.pairs->count > 0 ||
+                     model->scene.materials->grounds);
 }
 
 /* Fields of one number a point that parts of the scene ask for; the first `shared` are amounts. To be freed. */
@@ -343,6 +345,32 @@ PetscErrorCode MpmPointFieldsCreate(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Points are where the fields of their materials have values, and so are those of bodies that change their material. */
+static PetscErrorCode CheckGrounds(MpmModel model)
+{
+  const MpmMaterials *materials = model->scene.materials;
+  const MpmBodies    *bodies    = model->scene.bodies;
+  PetscBool          *of;
+  MpmPoints           points;
+
+  PetscFunctionBeginUser;
+  if (!materials->grounds) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(bodies->count, &of));
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt m = 0; m < materials->count; m++) {
+    if (!materials->at[m].varies) continue;
+    for (PetscInt b = 0; b < bodies->count; b++) {
+      of[b] = (PetscBool)(MpmBodyMaterial(bodies->at[b]) == m);
+      for (PetscInt s = 0; s < model->scene.stages.count; s++)
+        of[b] = (PetscBool)(of[b] || model->scene.stages.at[s].material[b] == m);
+    }
+    PetscCall(MpmGroundCheckPoints(&materials->at[m], of, bodies, &points, model->disc.dim, model->comm));
+  }
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(PetscFree(of));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Makes the points, hands them to their ranks, and finds those that carry loads and are tracked. */
 PetscErrorCode MpmPointsCreate(MpmModel model)
 {
@@ -363,6 +391,7 @@ PetscErrorCode MpmPointsCreate(MpmModel model)
   PetscCall(MpmFillParts(model));
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, &outcome));
   MpmCheckInput(!outcome.code, "-mpm_bodies: %s", outcome.text);
+  PetscCall(CheckGrounds(model));
   PetscCall(MpmBodiesCheckOverlap(model));
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     PetscCall(MpmBoundaryCheck(&model->scene.boundaries->at[k], model->disc.grid, model->state.particles));

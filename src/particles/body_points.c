@@ -9,6 +9,7 @@
 #include "particles/body_initial.h"
 #include "particles/body_stress.h"
 #include "particles/particles.h"
+#include "particles/ground_points.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
 
@@ -237,8 +238,8 @@ static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], co
 }
 
 /* Room between the ids, where points may be divided. */
-static PetscErrorCode MakeRoom(PetscInt body_count, const MpmBody bodies[], MPI_Comm comm, PetscInt64 total,
-                               const MpmPoints *points)
+static PetscErrorCode MakeRoom(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
+                               MPI_Comm comm, PetscInt64 total, const MpmPoints *points)
 {
   const PetscInt64 room = points->domain.divisions ? 1 << MPM_DIVISIONS : 1, ids = room * total;
 
@@ -252,6 +253,7 @@ static PetscErrorCode MakeRoom(PetscInt body_count, const MpmBody bodies[], MPI_
   }
   for (PetscInt p = 0; p < points->count; p++) points->id[p] *= (PetscInt)room;
   PetscCall(PetscArrayzero(points->domain.divisions, points->count));
+  PetscCall(MpmBodiesSetGrounds(body_count, bodies, materials, (PetscInt)room));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -294,13 +296,16 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   if (points.across) PetscCall(PetscArrayzero(points.across, local));
   if (points.state) PetscCall(PetscArrayzero(points.state, local * particles->state_size));
   for (PetscInt b = 0; b < body_count; b++) {
-    PetscCall(FillBody(bodies[b], grid, materials, particles, id + before[b] - count[b], &first, &points));
     bodies[b]->ids.count = (PetscInt)total[b];
     bodies[b]->ids.first = (PetscInt)id;
     id += total[b] + FillIds(bodies[b], grid);
     particles->total += total[b];
     bodies[b]->ids.end = (PetscInt)id;
   }
+  PetscCall(MpmBodiesSetGrounds(body_count, bodies, materials, 1));
+  for (PetscInt b = 0; b < body_count; b++)
+    PetscCall(
+      FillBody(bodies[b], grid, materials, particles, bodies[b]->ids.first + before[b] - count[b], &first, &points));
   for (PetscInt b = 0; b < body_count; b++) {
     PetscCall(MpmBodyInitialCheck(bodies[b]->initial, grid->comm));
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bodies[b]->start.wrong, 1, MPI_INT, MPI_MAX, grid->comm));
@@ -313,7 +318,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   if (points.physics.value)
     PetscCall(PetscArrayzero(points.physics.value_gradient, local * particles->rates * grid->dim));
   PetscCall(FillMotion(body_count, bodies, materials, grid, &points));
-  PetscCall(MakeRoom(body_count, bodies, grid->comm, id, &points));
+  PetscCall(MakeRoom(body_count, bodies, materials, grid->comm, id, &points));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscCall(PetscFree3(count, before, total));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -15,7 +15,7 @@ void MpmPointsSetOwn(const MpmMaterial *materials, const PetscInt vertical[2], P
     const PetscReal   *x        = &points->origin[p * dim];
 
     if (material->varies)
-      MpmMaterialOwn(material, (PetscReal)vertical[1] * x[vertical[0]], x,
+      MpmMaterialOwn(material, &(MpmPlace){(PetscReal)vertical[1] * x[vertical[0]], x, points->id[p]},
                      &points->parameter[p * material->varies->stride]);
   }
 }

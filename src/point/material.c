@@ -2,6 +2,7 @@
   The materials of a scene.
 */
 #include "options/options.h"
+#include "ground/ground.h"
 #include "point/material.h"
 #include "point/variation.h"
 #include "point/wave_speed.h"
@@ -137,7 +138,7 @@ PetscInt MpmMaterialOwnSize(const MpmMaterial *material)
   return size + (varies->physics ? MPM_MAX_DIM * varies->physics->parameter_count + varies->physics->common_count : 0);
 }
 
-void MpmMaterialOwn(const MpmMaterial *material, PetscReal height, const PetscReal x[], double own[])
+void MpmMaterialOwn(const MpmMaterial *material, const MpmPlace *place, double own[])
 {
   const MpmVariations *varies = material->varies;
   const PetscInt       of_law = (PetscInt)material->info.parameter_count, size = MpmMaterialOwnSize(material);
@@ -146,7 +147,7 @@ void MpmMaterialOwn(const MpmMaterial *material, PetscReal height, const PetscRe
   for (PetscInt k = of_law; k < size; k++) own[k] = varies->physics_given[k - of_law];
   for (PetscInt v = 0; v < varies->count; v++) {
     const MpmVariation *variation = &varies->at[v];
-    const PetscReal     value     = MpmVariationEvaluate(variation, height, x);
+    const PetscReal     value     = MpmVariationEvaluate(variation, place);
 
     for (PetscInt k = variation->place; k < variation->place + variation->places; k++)
       own[k] = k < of_law ? Reduced(material->info.parameters[k].kind, value, varies->factor) : value;
@@ -187,6 +188,11 @@ static const MpmVariation *FindVariation(const MpmMaterial *material, PetscInt p
   return NULL;
 }
 
+PetscBool MpmMaterialVaries(const MpmMaterial *material, PetscInt place)
+{
+  return (PetscBool)(FindVariation(material, place) != NULL);
+}
+
 /* Bounds of a parameter of the law, whether it varies or not */
 static void ParameterBounds(const MpmMaterial *material, PetscInt k, PetscReal *least, PetscReal *most)
 {
@@ -217,7 +223,7 @@ PetscErrorCode MpmMaterialVaryingText(const MpmMaterial *material, char **text)
 
 /*
   Parameters at the rows of all variations, before and behind a jump: none may contradict another, and the material is
-  symmetric where the law is at each. At rows of heights fields have their largest values, and the other way round.
+  symmetric where the law is at each. At rows of one kind those of other kinds have their largest values.
 */
 static PetscErrorCode CheckVariations(MpmMaterial *material)
 {
@@ -233,13 +239,14 @@ static PetscErrorCode CheckVariations(MpmMaterial *material)
     const MpmVariation *rows = &varies->at[r];
 
     for (PetscInt k = 0; k < 2 * rows->count; k++) {
-      const PetscReal at = rows->dim ? 0. : nextafter(rows->at[k / 2], k % 2 ? HUGE_VAL : -HUGE_VAL);
+      const MpmPlace at = {rows->dim || rows->ground ? 0. : nextafter(rows->at[k / 2], k % 2 ? HUGE_VAL : -HUGE_VAL),
+                           rows->dim ? &rows->at[k / 2 * MPM_MAX_DIM] : NULL, 0};
 
       PetscCall(PetscArraycpy(own, given, of_law));
       for (PetscInt v = 0; v < varies->count; v++)
-        if (varies->at[v].place < of_law && !varies->at[v].dim == !rows->dim)
+        if (varies->at[v].place < of_law && !varies->at[v].dim == !rows->dim && varies->at[v].ground == rows->ground)
           own[varies->at[v].place] =
-            MpmVariationEvaluate(&varies->at[v], at, rows->dim ? &rows->at[k / 2 * MPM_MAX_DIM] : NULL);
+            rows->ground ? rows->ground->value[k / 2] : MpmVariationEvaluate(&varies->at[v], &at);
       material->parameter = own;
       PetscCall(CheckParameters(material));
       if (material->info.symmetric && !material->info.symmetric(own, material->table)) symmetric = PETSC_FALSE;
@@ -254,19 +261,21 @@ static PetscErrorCode CheckVariations(MpmMaterial *material)
 /* ---- a material of the scene ---- */
 
 /* A number, word, table or data of the law, or a number that varies; one left out varies as its default does. */
-static PetscErrorCode ReadParameter(const MpmOptions *block, PetscInt dim, PetscInt k, MpmMaterial *material)
+static PetscErrorCode ReadParameter(const MpmOptions *block, PetscInt dim, const MpmGrounds *grounds, PetscInt k,
+                                    MpmMaterial *material)
 {
   const MpmParameter  parameter = WithDefault(material, (size_t)k);
   const MpmVariation *same      = NULL;
+  MpmGround          *ground    = MpmGroundsFind(grounds, material->name, parameter.name);
   MpmVariation        variation = {0};
   PetscReal           least, most;
   PetscBool           has;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHas(block, parameter.name, &has));
-  material->set[k] = (int)has;
-  if (parameter.kind < MPM_WORD) PetscCall(MpmVariationRead(block, &parameter, dim, &variation));
-  for (PetscInt i = 0; parameter.same_as && !has && i < k; i++)
+  material->set[k] = (int)(has || ground);
+  if (parameter.kind < MPM_WORD) PetscCall(MpmVariationRead(block, ground, &parameter, dim, &variation));
+  for (PetscInt i = 0; parameter.same_as && !material->set[k] && i < k; i++)
     if (!strcmp(material->info.parameters[i].name, parameter.same_as)) same = FindVariation(material, i);
   if (same) PetscCall(MpmVariationCopy(same, &variation));
   if (variation.count) PetscCall(AddVariation(material, k, 1, &variation, &material->parameter[k]));
@@ -287,7 +296,7 @@ static PetscErrorCode ReadParameter(const MpmOptions *block, PetscInt dim, Petsc
 }
 
 PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt kinematics,
-                                 MpmMaterial *material)
+                                 const MpmGrounds *grounds, MpmMaterial *material)
 {
   const PetscInt dim = MpmKinematicsDim((int)kinematics);
   char           prefix[256];
@@ -313,7 +322,7 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(PetscCalloc1(material->info.parameter_count, &material->set));
   if (!given) PetscCall(MpmLawPrintHelp(&block));
   for (size_t i = 0; given && i < material->info.parameter_count; i++)
-    PetscCall(ReadParameter(&block, dim, (PetscInt)i, material));
+    PetscCall(ReadParameter(&block, dim, grounds, (PetscInt)i, material));
   PetscCall(PetscArraycpy(material->given, material->parameter, material->info.parameter_count));
   if (!material->varies) PetscCall(CheckParameters(material));
   if (material->info.symmetric) {
@@ -360,7 +369,7 @@ static PetscErrorCode ReadAxes(const MpmOptions *block, PetscInt dim, const MpmP
 }
 
 PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, PetscInt dim,
-                                      MpmMaterial *material)
+                                      const MpmGrounds *grounds, MpmMaterial *material)
 {
   char           prefix[256], title[128];
   MpmOptions     block = {options->comm, prefix, options->record};
@@ -379,7 +388,9 @@ PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysic
 
     PetscCheck(parameter->kind <= MPM_WORD || parameter->kind == MPM_AXES, options->comm, PETSC_ERR_SUP,
                "physics %s: its parameter %s must be a number or a word", physics->name, parameter->name);
-    if (parameter->kind != MPM_WORD) PetscCall(MpmVariationRead(&block, parameter, dim, &variation));
+    if (parameter->kind != MPM_WORD)
+      PetscCall(
+        MpmVariationRead(&block, MpmGroundsFind(grounds, material->name, parameter->name), parameter, dim, &variation));
     if (variation.count)
       PetscCall(AddVariation(material, (PetscInt)material->info.parameter_count + place, MpmParameterPlaces(parameter),
                              &variation, &material->physics_parameter[place]));

@@ -44,14 +44,15 @@ typedef struct MpmMaterials {
   PetscInt     count;
   char       **names;
   MpmMaterial *at;
+  MpmGrounds  *grounds; /* fields of numbers of theirs; NULL: none */
 } MpmMaterials;
 
-/* `kinematics`: an MpmKinematics. */
+/* `kinematics`: an MpmKinematics; `grounds`: the scene's fields, or NULL. */
 PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt kinematics,
-                                 MpmMaterial *material);
+                                 const MpmGrounds *grounds, MpmMaterial *material);
 /* The parameters of the physics, which stand in the material's block too, and behind them those of the whole scene. */
 PetscErrorCode MpmMaterialReadPhysics(const MpmOptions *options, const MpmPhysics *physics, PetscInt dim,
-                                      MpmMaterial *material);
+                                      const MpmGrounds *grounds, MpmMaterial *material);
 /* How many places a physics' parameter takes among its values. */
 PetscInt MpmParameterPlaces(const MpmParameter *parameter);
 /* A material as its physics sees it. */
@@ -61,9 +62,11 @@ static inline const double *MpmMaterialPhysicsValues(const MpmMaterial *material
 {
   return own ? own + material->info.parameter_count : material->physics_parameter;
 }
-/* Numbers in a point's row; and that of a place of the initial state, `height` up gravity's axis, strengths reduced. */
+/* Numbers in a point's row; and that of a place of the initial state, strengths reduced. */
 PetscInt MpmMaterialOwnSize(const MpmMaterial *material);
-void     MpmMaterialOwn(const MpmMaterial *material, PetscReal height, const PetscReal x[], double own[]);
+void     MpmMaterialOwn(const MpmMaterial *material, const MpmPlace *place, double own[]);
+/* True where the law's parameter in this place of its table varies. */
+PetscBool MpmMaterialVaries(const MpmMaterial *material, PetscInt place);
 /* "E, cohesion": names of the parameters that vary. Free with PetscFree(). */
 PetscErrorCode MpmMaterialVaryingText(const MpmMaterial *material, char **text);
 /* Derives the physics' parameters, once the scene's gravity, m/s2, is known. */

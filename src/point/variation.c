@@ -12,6 +12,8 @@
 #include "options/database.h"
 #include "options/options.h"
 #include "io/csv_table.h"
+#include "ground/ground.h"
+#include "point/parameter.h"
 #include "point/variation.h"
 
 /* ---- reading ---- */
@@ -165,7 +167,24 @@ static PetscBool IsFile(const char text[])
                      (dot && (!strcmp(dot, ".csv") || !strcmp(dot, ".txt") || !strcmp(dot, ".dat"))));
 }
 
-PetscErrorCode MpmVariationRead(const MpmOptions *block, const MpmParameter *parameter, PetscInt dim,
+/* A field of the scene; a number that the material has, too, is read and has no meaning. */
+static PetscErrorCode TakeGround(const MpmOptions *block, MpmGround *ground, const MpmParameter *parameter,
+                                 MpmVariation *variation)
+{
+  MpmLawTable unused;
+  double      number;
+  PetscBool   has;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsHas(block, parameter->name, &has));
+  if (has && parameter->kind != MPM_AXES) PetscCall(MpmParameterRead(block, parameter, &number, &unused));
+  PetscCall(MpmGroundTake(parameter, ground));
+  variation->ground = ground;
+  variation->count  = ground->count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmVariationRead(const MpmOptions *block, MpmGround *ground, const MpmParameter *parameter, PetscInt dim,
                                 MpmVariation *variation)
 {
   const MpmOptions silent = {block->comm, block->prefix, NULL};
@@ -175,6 +194,7 @@ PetscErrorCode MpmVariationRead(const MpmOptions *block, const MpmParameter *par
   PetscBool   by_height, has;
 
   PetscFunctionBeginUser;
+  if (ground && !MpmOptionsHelp()) PetscFunctionReturn(TakeGround(block, ground, parameter, variation));
   PetscCall(MpmOptionsHas(&silent, parameter->name, &has));
   if (!has || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsText(&silent, parameter->name, parameter->help, NULL, MPM_OPTIONAL, &text));
@@ -213,6 +233,7 @@ PetscErrorCode MpmVariationCopy(const MpmVariation *from, MpmVariation *to)
 
   PetscFunctionBeginUser;
   *to = *from;
+  if (from->ground) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1((size_t)(from->count * wide), &to->at));
   PetscCall(PetscMalloc1(from->count, &to->value));
   PetscCall(PetscArraycpy(to->at, from->at, (size_t)(from->count * wide)));
@@ -239,6 +260,10 @@ PetscErrorCode MpmVariationDestroy(MpmVariation *variation)
 
 void MpmVariationBounds(const MpmVariation *variation, PetscReal *least, PetscReal *most)
 {
+  if (variation->ground) {
+    MpmGroundBounds(variation->ground, least, most);
+    return;
+  }
   *least = *most = variation->value[0];
   for (PetscInt k = 1; k < variation->count; k++) {
     *least = PetscMin(*least, variation->value[k]);
@@ -325,8 +350,9 @@ static PetscReal Nearest(const MpmVariation *variation, const PetscReal x[])
   return variation->value[best];
 }
 
-PetscReal MpmVariationEvaluate(const MpmVariation *variation, PetscReal height, const PetscReal x[])
+PetscReal MpmVariationEvaluate(const MpmVariation *variation, const MpmPlace *place)
 {
-  if (!variation->dim) return ByHeight(variation, height);
-  return variation->nodes[0] ? OnLattice(variation, x) : Nearest(variation, x);
+  if (variation->ground) return MpmGroundEvaluate(variation->ground, place->x, place->id);
+  if (!variation->dim) return ByHeight(variation, place->height);
+  return variation->nodes[0] ? OnLattice(variation, place->x) : Nearest(variation, place->x);
 }

@@ -7,6 +7,13 @@
 #include "base/types.h"
 #include "talus/talus.h"
 
+/* Where a point began: `height` up gravity's axis, m. */
+struct MpmPlace {
+  PetscReal        height;
+  const PetscReal *x;
+  PetscInt         id;
+};
+
 /* One parameter. Start from zeros: it does not vary. */
 typedef struct {
   PetscInt   place, places;      /* first of its numbers in a point's row, and their count */
@@ -16,6 +23,7 @@ typedef struct {
   PetscReal *line[MPM_MAX_DIM];  /* coordinates of the lattice's nodes by axis, ascending, m */
   PetscReal *at;                 /* heights, or places by ascending x, m */
   PetscReal *value;              /* by row; of a lattice x fastest */
+  MpmGround *ground;             /* field of the scene's that has the values, borrowed; or NULL */
 } MpmVariation;
 
 /* All parameters of one material that vary, and the source of a point's row. */
@@ -32,9 +40,9 @@ typedef struct MpmVariations {
 
 /*
   Reads height:value pairs, or a file with columns height, value or x, y (, z), value, where the option is one of these;
-  a number is left to other readers. Collective.
+  a number is left to other readers. A field of the scene, or NULL, replaces the option. Collective.
 */
-PetscErrorCode MpmVariationRead(const MpmOptions *block, const MpmParameter *parameter, PetscInt dim,
+PetscErrorCode MpmVariationRead(const MpmOptions *block, MpmGround *ground, const MpmParameter *parameter, PetscInt dim,
                                 MpmVariation *variation);
 PetscErrorCode MpmVariationCopy(const MpmVariation *from, MpmVariation *to);
 PetscErrorCode MpmVariationDestroy(MpmVariation *variation);
@@ -42,4 +50,4 @@ PetscErrorCode MpmVariationDestroy(MpmVariation *variation);
 void MpmVariationBounds(const MpmVariation *variation, PetscReal *least, PetscReal *most);
 /* The value at a place: linear between heights or nodes of a lattice, that of the nearest scattered place, constant
    beyond. */
-PetscReal MpmVariationEvaluate(const MpmVariation *variation, PetscReal height, const PetscReal x[]);
+PetscReal MpmVariationEvaluate(const MpmVariation *variation, const MpmPlace *place);

@@ -51,7 +51,7 @@ static void SideCreate(const char *physics_name, int kinematics, Side *side)
   PetscBool  found;
 
   memset(side, 0, sizeof(*side));
-  UNIT_CALL(MpmMaterialCreate(&block, "a", kinematics, &side->material));
+  UNIT_CALL(MpmMaterialCreate(&block, "a", kinematics, NULL, &side->material));
   UNIT_CALL(MpmPhysicsCreate(physics_name, &physics, &found));
   ck_assert(found);
   side->kernel = physics.kernels[kinematics];

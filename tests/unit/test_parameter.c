@@ -204,7 +204,7 @@ START_TEST(material)
   UNIT_CALL(PetscOptionsClear(NULL));
   UNIT_CALL(PetscOptionsInsertString(NULL, "-mpm_material_a_type neo_hookean -mpm_material_a_E 10 "
                                            "-mpm_material_a_nu 0.25"));
-  UNIT_CALL(MpmMaterialCreate(&block, "a", 2, &rubber));
+  UNIT_CALL(MpmMaterialCreate(&block, "a", 2, NULL, &rubber));
   ck_assert_double_eq(rubber.moduli.stiffness, 12.);
   ck_assert_double_eq(MpmMaterialStiffness(&rubber, NULL, NULL, NULL), 12.);
   ck_assert_double_eq(MpmMaterialStiffness(&rubber, NULL, NULL, stretched), 4. + 2. * 4. * 4.);
@@ -236,7 +236,7 @@ START_TEST(material_symmetric_by_parameters)
                                              "-mpm_material_a_nu 0.25 -mpm_material_a_cohesion 5 "
                                              "-mpm_material_a_friction 30"));
     UNIT_CALL(PetscOptionsInsertString(NULL, cases[k].options));
-    UNIT_CALL(MpmMaterialCreate(&block, "a", 2, &sand));
+    UNIT_CALL(MpmMaterialCreate(&block, "a", 2, NULL, &sand));
     ck_assert_int_eq((sand.info.traits & MPM_LAW_SYMMETRIC) != 0, cases[k].symmetric);
     ck_assert(sand.info.traits & MPM_LAW_PLASTIC);
     while (strcmp(sand.info.parameters[friction].name, "friction")) friction++;
@@ -259,7 +259,7 @@ START_TEST(initial_stress_by_history)
   UNIT_CALL(PetscOptionsInsertString(NULL, "-mpm_material_a_type mohr_coulomb -mpm_material_a_E 1000 "
                                            "-mpm_material_a_nu 0.25 -mpm_material_a_cohesion 1 "
                                            "-mpm_material_a_friction 30"));
-  UNIT_CALL(MpmMaterialCreate(&block, "a", 2, &sand));
+  UNIT_CALL(MpmMaterialCreate(&block, "a", 2, NULL, &sand));
   UNIT_CALL(MpmInitialCreate(&sand, 2, &initial));
   ck_assert(initial.stateful && initial.history);
   for (int k = 0; k < 2; k++) {
@@ -289,7 +289,7 @@ START_TEST(wave_speed)
   UNIT_CALL(PetscOptionsClear(NULL));
   UNIT_CALL(PetscOptionsInsertString(NULL, "-mpm_material_a_type neo_hookean -mpm_material_a_E 10 "
                                            "-mpm_material_a_nu 0.25 -mpm_material_a_density 3"));
-  UNIT_CALL(MpmMaterialCreate(&block, "a", 2, &rubber));
+  UNIT_CALL(MpmMaterialCreate(&block, "a", 2, NULL, &rubber));
   ck_assert_double_eq_tol(MpmMaterialWaveSpeed(&rubber, NULL, 2, NULL, NULL, NULL), sqrt(12. / 3.), 1e-14);
   ck_assert_double_eq_tol(MpmMaterialWaveSpeed(&rubber, NULL, 2, NULL, stretched, NULL), sqrt(36. / 3.), 1e-14);
   ck_assert_double_eq_tol(MpmMaterialWaveSpeed(&rubber, NULL, 2, NULL, NULL, plane), sqrt((12. + 2. + 3.) / 3.), 1e-14);
@@ -304,7 +304,7 @@ START_TEST(wave_speed)
   UNIT_CALL(PetscOptionsClear(NULL));
   UNIT_CALL(PetscOptionsInsertString(NULL, "-mpm_material_a_type newtonian -mpm_material_a_sound_speed 20 "
                                            "-mpm_material_a_viscosity 6 -mpm_material_a_density 3"));
-  UNIT_CALL(MpmMaterialCreate(&block, "a", 2, &water));
+  UNIT_CALL(MpmMaterialCreate(&block, "a", 2, NULL, &water));
   ck_assert_double_eq_tol(MpmMaterialWaveSpeed(&water, NULL, 2, NULL, NULL, NULL), 20., 1e-13);
   ck_assert_double_eq_tol(MpmMaterialViscosity(&water, NULL), 8., 1e-14);
   UNIT_CALL(MpmMaterialDestroy(&water));

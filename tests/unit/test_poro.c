@@ -38,8 +38,8 @@ static void Ground(PetscInt dim, const char *law, const char *rest, MpmMaterial 
   UNIT_CALL(PetscOptionsClear(NULL));
   UNIT_CALL(PetscOptionsInsertString(NULL, law));
   UNIT_CALL(PetscOptionsInsertString(NULL, rest));
-  UNIT_CALL(MpmMaterialCreate(&block, "a", dim, ground));
-  UNIT_CALL(MpmMaterialReadPhysics(&block, &physics, dim, ground));
+  UNIT_CALL(MpmMaterialCreate(&block, "a", dim, NULL, ground));
+  UNIT_CALL(MpmMaterialReadPhysics(&block, &physics, dim, NULL, ground));
   UNIT_CALL(MpmMaterialPrepare(&physics, dim, 9.81, ground));
 }
 
