@@ -10,6 +10,28 @@ set(TALUS_NUMBER_2d 2)
 set(TALUS_NUMBER_3d 3)
 set(TALUS_NUMBER_axial 4)
 
+# The instances SENSITIVITY are compiled as C++ where there is a compiler for it: their numbers have derivatives in eight
+# directions then, in one otherwise (talus/point/real.h).
+include(CheckCSourceCompiles)
+set(TALUS_PACK_OPTIONS -x c++ -std=gnu++17 -fno-exceptions -fno-rtti -Wno-missing-field-initializers)
+function(talus_check_packs)
+  unset(CMAKE_C_STANDARD)
+  set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
+  set(CMAKE_REQUIRED_FLAGS "-x c++ -std=gnu++17")
+  check_c_source_compiles("#include <math.h>
+template <typename Number> static Number Twice(Number a) { return a + a; }
+int main(void) { return Twice(sqrt(0.)) > 1.; }" TALUS_HAS_PACKS)
+endfunction()
+talus_check_packs()
+
+# Lets a target of kernels in the form SENSITIVITY have packs of directions.
+function(talus_compile_in_packs target)
+  if(TALUS_HAS_PACKS)
+    set_property(TARGET ${target} PROPERTY C_STANDARD)
+    target_compile_options(${target} PRIVATE ${TALUS_PACK_OPTIONS})
+  endif()
+endfunction()
+
 # Takes an instance apart, with the definitions that it is compiled with.
 function(talus_instance instance kind name form definitions)
   string(REPLACE ":" ";" parts ${instance})

@@ -53,12 +53,18 @@ MPM_FN Real DilatancyAtStart(const KernelPoint *point, Real b[3])
   const MpmKernelPoint *values = point->values;
   const MpmLawInput     input  = {
          .parameter = values->material.parameter, .table = values->material.table, .state_n = values->state_n};
-  const MpmLawInput direction = {.parameter = point->direction->parameter, .state_n = point->direction->state_n};
-  double            elastic[2][3], derivative;
-  const double      beta = values->material.info->dilatancy_sensitivity(&input, &direction, elastic, &derivative);
+  const RealColumns columns = point->columns, own = {0, columns.count, columns.stride};
+  const MpmLawInput direction = {.parameter = LawShift(point->direction->parameter, columns),
+                                 .state_n   = LawShift(point->direction->state_n, columns),
+                                 .count     = columns.count,
+                                 .stride    = columns.stride};
+  double            value[4], derivative[4 * MPM_PACK];
+  Real              beta;
 
-  LawJoin(3, elastic[0], elastic[1], b);
-  return RealAlong(beta, derivative);
+  values->material.info->dilatancy_sensitivity(&input, &direction, value, derivative);
+  LawJoin(1, value, derivative, own, &beta);
+  LawJoin(3, &value[1], &derivative[columns.stride], own, b);
+  return beta;
 }
 #elif MPM_NORMALS == 2
 MPM_FN double DilatancyAtStart(const KernelPoint *point, double b[3])

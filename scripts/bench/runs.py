@@ -13,7 +13,7 @@ from random import Random
 
 ROOT = Path(__file__).resolve().parents[2]
 CANTILEVER = ROOT / "examples" / "cantilever" / "case.yaml"
-TIMERS = ("setup", "transfer", "residual", "jacobian", "solve", "migrate", "output")
+TIMERS = ("setup", "transfer", "residual", "jacobian", "solve", "migrate", "output", "gradient")
 # Open MPI as root, on more ranks than cores; no threads under the ranks.
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMP_NUM_THREADS": "1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1"}

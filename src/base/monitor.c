@@ -6,7 +6,8 @@
 
 #define LONGEST_MESSAGE 1024
 
-const char *const MpmTimers[] = {"setup", "transfer", "residual", "jacobian", "solve", "migrate", "output", NULL};
+const char *const MpmTimers[] = {"setup",   "transfer", "residual", "jacobian", "solve",
+                                 "migrate", "output",   "gradient", NULL};
 
 const char *const MpmChanges[] = {"F-bar averages dilation", "the ground settles, with inertia", "GMRES in place of CG",
                                   "workspace of MUMPS raised", NULL};
@@ -59,7 +60,7 @@ PetscErrorCode MpmMonitorLine(const MpmMonitor *monitor, const char format[], ..
 PetscErrorCode MpmMonitorCreate(MpmMonitor *monitor)
 {
   static const char *const names[] = {"MpmSetup", "MpmTransfer", "MpmResidual", "MpmJacobian",
-                                      "MpmSolve", "MpmMigrate",  "MpmOutput"};
+                                      "MpmSolve", "MpmMigrate",  "MpmOutput",   "MpmGradient"};
   PetscClassId class               = 0;
 
   PetscFunctionBeginUser;

@@ -31,20 +31,20 @@ static PetscReal FirstMiddle(const Axis *axis, PetscInt *count)
   return (PetscReal)axis->lower + (even ? 0. : 0.5);
 }
 
-/* Adds factors times the polynomials of the interval about `middle`, and their derivatives, at a place. */
-static void Add(const Axis *axis, PetscReal middle, PetscReal place, const PetscReal factor[2],
-                const MpmShapeLine *line, PetscReal values[], PetscReal slopes[])
+/* The polynomials of the interval about `middle`, and their derivatives, at a place. */
+static void Extend(const Axis *axis, PetscReal middle, PetscReal place, MpmShapeLine *there)
 {
-  PetscReal    weight[MPM_MAX_WIDTH], gradient[MPM_MAX_WIDTH];
-  MpmShapeLine there = {.weight = weight, .gradient = gradient};
+  MpmShapeExtend(axis->type, axis->edge, middle, place - middle, axis->lower, axis->upper, there);
+}
 
-  MpmShapeExtend(axis->type, axis->edge, middle, place - middle, axis->lower, axis->upper, &there);
-  for (PetscInt k = 0; k < there.count; k++) {
-    const PetscInt i = there.first + k - line->first;
+/* Adds a factor times values of one line to those of another. */
+static void Add(const MpmShapeLine *there, const PetscReal values[], PetscReal factor, const MpmShapeLine *line,
+                PetscReal sum[])
+{
+  for (PetscInt k = 0; k < there->count; k++) {
+    const PetscInt i = there->first + k - line->first;
 
-    if (i < 0 || i >= line->count) continue;
-    if (values) values[i] += factor[0] * weight[k];
-    slopes[i] += factor[1] * gradient[k];
+    if (i >= 0 && i < line->count) sum[i] += factor * values[k];
   }
 }
 
@@ -58,14 +58,16 @@ void MpmShapeDifferentiate(MpmShapeType type, MpmEdgeType edge, const MpmShapePl
   const PetscReal start = FirstMiddle(&axis, &count);
   const PetscInt  here  = PetscClipInterval((PetscInt)floor(xi - start + 0.5), 0, count - 1);
   PetscInt        low = here, high = here;
+  PetscReal       weight[MPM_MAX_WIDTH], gradient[MPM_MAX_WIDTH];
+  MpmShapeLine    there = {.weight = weight, .gradient = gradient};
 
   for (PetscInt i = 0; i < line->count; i++)
     slopes->bend[i] = slopes->weight_by_length[i] = slopes->gradient_by_length[i] = 0.;
   if (l <= MPM_SHAPE_POINT) {
-    const PetscReal middle = start + (PetscReal)here;
-
-    Add(&axis, middle, xi + 0.5, (PetscReal[]){0., 1.}, line, NULL, slopes->bend);
-    Add(&axis, middle, xi - 0.5, (PetscReal[]){0., -1.}, line, NULL, slopes->bend);
+    for (PetscInt end = -1; end <= 1; end += 2) {
+      Extend(&axis, start + (PetscReal)here, xi + 0.5 * (PetscReal)end, &there);
+      Add(&there, gradient, (PetscReal)end, line, slopes->bend);
+    }
     return;
   }
   while (low > 0 && start + (PetscReal)low - 0.5 > xi - reach) low--;
@@ -73,9 +75,10 @@ void MpmShapeDifferentiate(MpmShapeType type, MpmEdgeType edge, const MpmShapePl
   for (PetscInt end = -1; end <= 1; end += 2) {
     const PetscReal middle = start + (PetscReal)(end < 0 ? low : high), part = 0.5 / l;
 
-    Add(&axis, middle, xi + (PetscReal)end * l, (PetscReal[]){0., (PetscReal)end * part}, line, NULL, slopes->bend);
-    Add(&axis, middle, xi + (PetscReal)end * l, (PetscReal[]){part, part}, line, slopes->weight_by_length,
-        slopes->gradient_by_length);
+    Extend(&axis, middle, xi + (PetscReal)end * l, &there);
+    Add(&there, gradient, (PetscReal)end * part, line, slopes->bend);
+    Add(&there, weight, part, line, slopes->weight_by_length);
+    Add(&there, gradient, part, line, slopes->gradient_by_length);
   }
   for (PetscInt i = 0; i < line->count; i++) {
     slopes->weight_by_length[i] -= line->weight[i] / l;

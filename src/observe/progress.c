@@ -215,7 +215,8 @@ PetscErrorCode MpmTerminalSummary(MPI_Comm comm, const MpmSummary *summary)
                             summary->changes[k] == 1 ? "" : "s"));
   PetscCall(PetscPrintf(comm, "Where the time went (slowest rank of each)\n"));
   for (int i = 0; i < MPM_TIME_COUNT; ++i) {
-    PetscCall(PrintTime(comm, MpmTimers[i], summary->time[i], summary->time_total));
+    if (i != MPM_TIME_GRADIENT || summary->time[i] > 0.)
+      PetscCall(PrintTime(comm, MpmTimers[i], summary->time[i], summary->time_total));
     other -= summary->time[i];
   }
   PetscCall(PrintTime(comm, "other", PetscMax(other, 0.), summary->time_total));

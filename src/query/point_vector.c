@@ -84,13 +84,28 @@ static PetscErrorCode PointAt(MPI_Comm comm, PetscLayout directory, const MpmPoi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Copies where no point has moved on any rank. Collective. */
+static PetscErrorCode Copy(MPI_Comm comm, const MpmPointVector *from, MpmPointVector *to, PetscBool *same)
+{
+  PetscFunctionBeginUser;
+  *same = (PetscBool)(from->count == to->count);
+  for (PetscInt p = 0; *same && p < to->count; p++) *same = (PetscBool)(from->id[p] == to->id[p]);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, same, 1, MPIU_BOOL, MPI_LAND, comm));
+  for (PetscInt k = 0; *same && k < MPM_VECTOR_FIELDS; k++)
+    PetscCall(PetscArraycpy(to->at[k], from->at[k], to->count * to->size[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmPointVectorMove(MPI_Comm comm, const MpmPointVector *from, MpmPointVector *to)
 {
   PetscInt    largest = -1, slots;
+  PetscBool   same;
   PetscLayout directory;
   PetscSF     leave, arrive;
 
   PetscFunctionBeginUser;
+  PetscCall(Copy(comm, from, to, &same));
+  if (same) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt p = 0; p < from->count; p++) largest = PetscMax(largest, from->id[p]);
   for (PetscInt p = 0; p < to->count; p++) largest = PetscMax(largest, to->id[p]);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &largest, 1, MPIU_INT, MPI_MAX, comm));

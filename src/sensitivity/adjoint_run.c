@@ -75,8 +75,10 @@ PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[])
 
     PetscCall(MpmTapeReplay(model, &gradient->tape, n));
     PetscCall(MpmReplayedStepCreate(model, n, &step));
+    PetscCall(MpmPointTableCreate(&step.map, &step.map.table));
     PetscCall(MpmReplayedSolveSetUp(model));
     PetscCall(StepPull(model, n, &step.map, &vector, values));
+    PetscCall(MpmPointTableDestroy(&step.map.table));
     PetscCall(MpmReplayedStepDestroy(&step));
     if (!gradient->checks) PetscCall(MpmTapeDone(&gradient->tape, n));
   }

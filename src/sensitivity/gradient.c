@@ -246,15 +246,22 @@ void MpmGradientSumSlopes(const MpmGradient *gradient, PetscReal values[])
   }
 }
 
-/* The gradient by the method chosen or, where both are compared, by the other one. */
+/* The gradient by the method chosen or, where both are compared, by the other one. The time is the gradient's own,
+   whatever tasks of the engine it takes. */
 static PetscErrorCode Differentiate(MpmModel model, PetscBool other, PetscReal values[])
 {
   PetscErrorCode (*const on_grid[])(MpmModel, PetscReal[]) = {MpmAdjointRun, MpmTangentRun};
   const MpmGradient *gradient                              = model->gradient;
   const PetscInt     method = other ? 1 - (PetscInt)gradient->method : (PetscInt)gradient->method;
+  PetscReal          seconds[MPM_TIME_COUNT];
+  PetscLogDouble     since;
 
   PetscFunctionBeginUser;
+  PetscCall(PetscArraycpy(seconds, model->monitor.seconds, MPM_TIME_COUNT));
+  PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_GRADIENT, &since));
   PetscCall((gradient->kind ? gradient->kind->find[method] : on_grid[method])(model, values));
+  PetscCall(PetscArraycpy(model->monitor.seconds, seconds, MPM_TIME_COUNT));
+  PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_GRADIENT, since));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -43,6 +43,13 @@ void MpmPointEnter(const MpmStepMap *map, PetscInt p, PetscBool other, MpmPointW
   MpmSumBasis(work->known, sum->space, p, PETSC_TRUE, &work->basis);
   MpmSumInputs(work->known, sum->layout, work->u, &work->basis, work->input);
   if (other) MpmSumInputs(work->known, sum->layout, work->other, &work->basis, work->other_input);
+  MpmPointMake(map, p, work, point);
+}
+
+void MpmPointMake(const MpmStepMap *map, PetscInt p, MpmPointWork *work, MpmKernelPoint *point)
+{
+  const MpmSum *sum = map->sum;
+
   MpmSumPoint(sum, p, point);
   point->end.state  = sum->materials[sum->points->material[p]].state_size ? work->state[0] : NULL;
   point->end.own    = sum->kept.own ? work->own[0] : NULL;

@@ -24,6 +24,8 @@ PetscErrorCode MpmPointWorkDestroy(MpmPointWork *work);
 void MpmPointWorkGather(const MpmStepMap *map, const MpmGroup *group, const PetscReal other[], MpmPointWork *work);
 /* The point, its basis functions and inputs; `other` at the nodes has inputs, too. */
 void MpmPointEnter(const MpmStepMap *map, PetscInt p, PetscBool other, MpmPointWork *work, MpmKernelPoint *point);
+/* The point as its kernel takes it, alone. */
+void MpmPointMake(const MpmStepMap *map, PetscInt p, MpmPointWork *work, MpmKernelPoint *point);
 /* The kernel's answer at work->input and its derivative in a direction. */
 PetscErrorCode MpmPointDifferentiate(const MpmStepMap *map, const MpmKernelPoint *point,
                                      const MpmKernelDirection *direction, MpmPointWork *work);

@@ -9,7 +9,7 @@
   w and grad w depend on the place x and the half-lengths l(x, F) of the domain (space/point_slopes.h), all else on H,
   F, the history z and parameters p through the kernel's sensitivity form.
 */
-#include "sensitivity/point_work.h"
+#include "sensitivity/point_table.h"
 
 PetscErrorCode MpmStateVectorCreate(const MpmSum *sum, const MpmPoints *points, MpmStepConstants constants,
                                     MpmPointVector *vector)
@@ -107,6 +107,7 @@ PetscErrorCode MpmPointsPullSolution(const MpmStepMap *map, const MpmPointVector
   MpmPointWork       work;
 
   PetscFunctionBeginUser;
+  if (map->table) PetscFunctionReturn(MpmTablePullSolution(map, end, lam, u));
   if (space->cells.spread) PetscFunctionReturn(MpmSpreadPullSolution(map, end, lam, u));
   if (sum->layout->means) PetscFunctionReturn(MpmCellsPullSolution(map, end, lam, u));
   PetscCall(MpmPointWorkCreate(map, &work));
@@ -140,6 +141,7 @@ PetscErrorCode MpmPointsPullStart(const MpmStepMap *map, const MpmPointVector *e
   MpmPointWork       work;
 
   PetscFunctionBeginUser;
+  if (map->table) PetscFunctionReturn(MpmTablePullStart(map, end, lam, start, gradient));
   if (space->cells.spread) PetscFunctionReturn(MpmSpreadPullStart(map, end, lam, start, gradient));
   if (sum->layout->means) PetscFunctionReturn(MpmCellsPullStart(map, end, lam, start, gradient));
   PetscCall(MpmPointWorkCreate(map, &work));

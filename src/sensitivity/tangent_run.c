@@ -29,13 +29,18 @@ static PetscErrorCode FindSlopes(MpmModel model, const MpmPointVector *end, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Derivatives of the objectives' columns by a parameter, in the row of step n. */
+static PetscReal *Slopes(const MpmGradient *gradient, PetscInt n, PetscInt parameter)
+{
+  return &gradient->slopes[(parameter * gradient->rows + gradient->tape.step[n].row) * gradient->objectives.count];
+}
+
 /* One parameter in one step: `start` becomes the step's end. */
 static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt parameter, const MpmStepMap *map,
                                 MpmPointVector *vector)
 {
   MpmGradient     *gradient = model->gradient;
   const PetscInt   count    = model->disc.space->local * model->disc.block;
-  const PetscInt   row      = parameter * gradient->rows + gradient->tape.step[n].row;
   MpmPointVector   start = {0}, end = {0};
   MpmStepDirection direction = {.start = &start, .parameter = parameter};
   PetscReal       *residual, *du;
@@ -59,10 +64,77 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt parameter, 
   PetscCall(MpmLoadsAlong(map, &direction, residual));
   PetscCall(MpmGhostAlong(map, &direction, residual));
   MpmPointVectorAddConstant(&start, &end);
-  PetscCall(FindSlopes(model, &end, residual, &gradient->slopes[row * gradient->objectives.count]));
+  PetscCall(FindSlopes(model, &end, residual, Slopes(gradient, n, parameter)));
   *vector = end;
   PetscCall(MpmPointVectorDestroy(&start));
   PetscCall(PetscFree2(residual, du));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Several parameters in one step, where the points' directions go in packs. */
+static PetscErrorCode StepAlongPack(MpmModel model, PetscInt n, PetscInt many, const PetscInt which[],
+                                    const MpmStepMap *map, MpmPointVector vectors[])
+{
+  MpmGradient      *gradient        = model->gradient;
+  const PetscInt    count           = model->disc.space->local * model->disc.block;
+  MpmPointVector    start[MPM_PACK] = {{0}}, end[MPM_PACK] = {{0}};
+  MpmStepDirection  of[MPM_PACK];
+  PetscReal        *residual[MPM_PACK], *du[MPM_PACK], *room;
+  MpmStepDirections directions = {.count = many, .of = of, .residual = residual};
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((2 * many * count + 1), &room));
+  for (PetscInt k = 0; k < many; k++) {
+    residual[k] = &room[2 * k * count];
+    du[k]       = &room[(2 * k + 1) * count];
+    of[k]       = (MpmStepDirection){.start = &start[k], .parameter = which[k]};
+    PetscCall(MpmStepVectorCreate(map, &start[k]));
+    PetscCall(MpmStepVectorCreate(map, &end[k]));
+    PetscCall(MpmPointVectorMove(
+      model->comm, !n && gradient->start.at ? &gradient->start.at[which[k]] : &vectors[which[k]], &start[k]));
+    PetscCall(MpmPointVectorDestroy(&vectors[which[k]]));
+    MpmStageAlong(model, n, map, which[k], &start[k]);
+  }
+  PetscCall(MpmTableAlong(map, &directions));
+  for (PetscInt k = 0; k < many; k++) {
+    PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
+    PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
+    for (PetscInt i = 0; i < count; i++) residual[k][i] = -residual[k][i];
+    PetscCall(MpmReplayedSolve(model, PETSC_FALSE, residual[k], du[k]));
+    PetscCall(PetscArrayzero(residual[k], count));
+    of[k].du = du[k];
+  }
+  directions.end = end;
+  PetscCall(MpmTableAlong(map, &directions));
+  for (PetscInt k = 0; k < many; k++) {
+    PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
+    PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
+    MpmPointVectorAddConstant(&start[k], &end[k]);
+    PetscCall(FindSlopes(model, &end[k], residual[k], Slopes(gradient, n, which[k])));
+    vectors[which[k]] = end[k];
+    PetscCall(MpmPointVectorDestroy(&start[k]));
+  }
+  PetscCall(PetscFree(room));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All parameters in step n that have derivatives in closed form. */
+static PetscErrorCode StepAlongAll(MpmModel model, PetscInt n, const MpmStepMap *map, MpmPointVector vectors[])
+{
+  const PetscInt  count = model->gradient->parameters.count;
+  const PetscBool packs = MpmStepHasTable(map);
+  PetscInt        which[MPM_PACK], many = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < count; k++) {
+    if (!MpmGradientIsClosed(model->gradient, k)) continue;
+    if (!packs) PetscCall(StepAlong(model, n, k, map, &vectors[k]));
+    else which[many++] = k;
+    if (many < MPM_PACK) continue;
+    PetscCall(StepAlongPack(model, n, many, which, map, vectors));
+    many = 0;
+  }
+  if (many) PetscCall(StepAlongPack(model, n, many, which, map, vectors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -83,8 +155,7 @@ PetscErrorCode MpmTangentRun(MpmModel model, PetscReal values[])
     PetscCall(MpmTapeReplay(model, &gradient->tape, n));
     PetscCall(MpmReplayedStepCreate(model, n, &step));
     PetscCall(MpmReplayedSolveSetUp(model));
-    for (PetscInt k = 0; k < count; k++)
-      if (MpmGradientIsClosed(gradient, k)) PetscCall(StepAlong(model, n, k, &step.map, &vectors[k]));
+    PetscCall(StepAlongAll(model, n, &step.map, vectors));
     PetscCall(MpmReplayedStepDestroy(&step));
   }
   for (PetscInt k = 0; k < count; k++) PetscCall(MpmPointVectorDestroy(&vectors[k]));

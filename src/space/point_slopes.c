@@ -6,17 +6,11 @@
   dw/dx = g unless, with axial symmetry, g along the radius is an average by volume (grid/shape_radial.c).
 
   The half-length on axis a is l_a U_aa/h_a, U = sqrt(F^T F), unless a wall, an edge of the grid or the longest domain
-  clips it. With C = F^T F and U dU + dU U = dC, in the principal axes q of U with stretches s,
-
-    dU_ij = dC_ij/(s_i + s_j) ,
-
-  which holds at equal stretches, too.
+  clips it.
 */
 #include "grid/grid.h"
 #include "space/point_loop.h"
 #include "space/point_slopes.h"
-
-#include <petscblaslapack.h>
 
 PetscErrorCode MpmPointSlopesCreate(const MpmSpace *space, MpmPointSlopes *slopes)
 {
@@ -39,41 +33,88 @@ PetscErrorCode MpmPointSlopesDestroy(MpmPointSlopes *slopes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* by_F[a] = d U_aa / d F; PETSC_FALSE where F has no stretch. */
+/* d U_aa / d F in the plane, where U = (C + J I)/t, t = tr U = sqrt(tr C + 2 J), J = det F */
+static void PlaneSlopes(const PetscReal F[], const PetscReal cofactor[], PetscReal J, PetscReal by_F[][MPM_F_MAX])
+{
+  const PetscReal square = F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3] + 2. * J, t = PetscSqrtReal(square);
+
+  for (PetscInt a = 0; a < 2; a++) {
+    const PetscReal U = (F[a] * F[a] + F[2 + a] * F[2 + a] + J) / t;
+
+    for (PetscInt k = 0; k < 4; k++)
+      by_F[a][k] = ((k % 2 == a ? 2. * F[k] : 0.) + cofactor[k]) / t - U * (F[k] + cofactor[k]) / square;
+  }
+}
+
+/* The rotation R of F = R U by Newton's method X <- (X + X^{-T})/2. */
+static void Rotation(const PetscReal F[], PetscReal R[])
+{
+  PetscReal change = 1.;
+
+  for (PetscInt k = 0; k < 9; k++) R[k] = F[k];
+  for (PetscInt iteration = 0; iteration < 50 && change > 4. * PETSC_MACHINE_EPSILON; iteration++) {
+    PetscReal       cofactor[9];
+    const PetscReal J = MpmCofactors(9, R, cofactor);
+
+    change = 0.;
+    for (PetscInt k = 0; k < 9; k++) {
+      const PetscReal step = 0.5 * (cofactor[k] / J - R[k]);
+
+      change = PetscMax(change, PetscAbsReal(step));
+      R[k] += step;
+    }
+  }
+}
+
+/*
+  d U_aa / d F in space. With R^T dF = A and R^T dR = [w]x, a skew matrix, dU = A - [w]x U is symmetric where
+
+    (tr U I - U) w = alpha ,   alpha_i = -e_ijk A_jk .
+
+  Then dU_aa = B : A, B_jk = delta_ja delta_ka - e_ijk y_i, with (tr U I - U) y = h, h_c = e_abc U_ab.
+*/
+static void SpaceSlopes(const PetscReal F[], PetscReal by_F[][MPM_F_MAX])
+{
+  PetscReal R[9], U[9], G[9], cofactor[9], J;
+
+  Rotation(F, R);
+  for (PetscInt k = 0; k < 9; k++)
+    U[k] = R[k / 3] * F[k % 3] + R[3 + k / 3] * F[3 + k % 3] + R[6 + k / 3] * F[6 + k % 3];
+  for (PetscInt k = 0; k < 9; k++) G[k] = (k % 4 ? 0. : U[0] + U[4] + U[8]) - U[k];
+  J = MpmCofactors(9, G, cofactor);
+  for (PetscInt a = 0; a < 3; a++) {
+    const PetscInt b = (a + 1) % 3, c = (a + 2) % 3; /* e_abc = 1 */
+    PetscReal      B[9] = {0.}, y[3];
+
+    for (PetscInt i = 0; i < 3; i++)
+      y[i] = (cofactor[3 * i + c] * U[3 * a + b] - cofactor[3 * i + b] * U[3 * a + c]) / J;
+    B[4 * a] = 1.;
+    for (PetscInt i = 0; i < 3; i++) {
+      const PetscInt j = (i + 1) % 3, k = (i + 2) % 3;
+
+      B[3 * j + k] -= y[i];
+      B[3 * k + j] += y[i];
+    }
+    for (PetscInt k = 0; k < 9; k++) {
+      const PetscInt m = k / 3, l = k % 3;
+
+      by_F[a][k] = R[3 * m] * B[l] + R[3 * m + 1] * B[3 + l] + R[3 * m + 2] * B[6 + l];
+    }
+  }
+}
+
+/* by_F[a] = d U_aa / d F */
 static PetscErrorCode StretchSlopes(PetscInt dim, const PetscReal F[], PetscReal by_F[][MPM_F_MAX])
 {
-  PetscReal    q[MPM_F_MAX], square[MPM_MAX_DIM], work[32];
-  PetscBLASInt n = (PetscBLASInt)dim, room = PETSC_STATIC_ARRAY_LENGTH(work), info;
+  PetscReal       cofactor[MPM_F_MAX];
+  const PetscReal J = MpmCofactors(dim * dim, F, cofactor);
 
   PetscFunctionBeginUser;
-  for (PetscInt i = 0; i < dim; i++) {
-    for (PetscInt j = 0; j < dim; j++) {
-      q[i * dim + j] = 0.;
-      for (PetscInt k = 0; k < dim; k++) q[i * dim + j] += F[k * dim + i] * F[k * dim + j];
-    }
-  }
-  LAPACKsyev_("V", "U", &n, q, &n, square, work, &room, &info);
-  PetscCheck(!info && square[0] > 0., PETSC_COMM_SELF, PETSC_ERR_FP, "a point has no stretch");
+  PetscCheck(J > 0., PETSC_COMM_SELF, PETSC_ERR_FP, "a point has no stretch");
   for (PetscInt a = 0; a < dim; a++)
     for (PetscInt k = 0; k < MPM_F_MAX; k++) by_F[a][k] = 0.;
-  for (PetscInt a = 0; a < dim; a++) {
-    PetscReal by_C[MPM_F_MAX] = {0.}; /* d U_aa / d C; principal axis k stands in q[k * dim] */
-
-    for (PetscInt k = 0; k < dim; k++) {
-      for (PetscInt l = 0; l < dim; l++) {
-        const PetscReal part = q[k * dim + a] * q[l * dim + a] / (PetscSqrtReal(square[k]) + PetscSqrtReal(square[l]));
-
-        for (PetscInt i = 0; i < dim; i++)
-          for (PetscInt j = 0; j < dim; j++) by_C[i * dim + j] += part * q[k * dim + i] * q[l * dim + j];
-      }
-    }
-    for (PetscInt i = 0; i < dim; i++) {
-      for (PetscInt j = 0; j < dim; j++) {
-        by_F[a][i * dim + j] = 0.;
-        for (PetscInt k = 0; k < dim; k++) by_F[a][i * dim + j] += 2. * F[i * dim + k] * by_C[k * dim + j];
-      }
-    }
-  }
+  if (dim == 2) PlaneSlopes(F, cofactor, J, by_F);
+  else SpaceSlopes(F, by_F);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -205,6 +246,35 @@ void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, Mp
     }
   }
   if (dim < MPM_MAX_DIM) HoopSlopes(slopes, group, kind, axis, basis);
+}
+
+PetscReal MpmPointSlopesSum(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
+                            PetscReal *const sums[])
+{
+  const MpmSpace *space = slopes->space;
+  const PetscInt  dim = space->dim, W = slopes->width;
+  MpmLines        w     = MpmPointLines(dim, space, space->shapes.at[0].weight, slopes->point, &MpmLineOne);
+  MpmLines        g     = MpmPointLines(dim, space, space->shapes.at[0].gradient, slopes->point, &MpmLineZero);
+  PetscReal       total = 0.;
+  PetscInt        n     = 0;
+
+  w.along[axis] = kind == MPM_BY_PLACE ? &slopes->by_place[axis * W] : &slopes->weight[axis * W];
+  g.along[axis] = kind == MPM_BY_PLACE ? &slopes->bend[axis * W] : &slopes->gradient[axis * W];
+  for (PetscInt l = 0; l < group->count[2]; l++) {
+    for (PetscInt j = 0; j < group->count[1]; j++) {
+      const PetscReal yz = w.along[1][j] * w.along[2][l], dyz = g.along[1][j] * w.along[2][l],
+                      ydz = w.along[1][j] * g.along[2][l];
+      const PetscReal *x = w.along[0], *d = g.along[0];
+
+      for (PetscInt k = 0; k < group->count[0]; k++, n++) {
+        PetscReal across = yz * sums[0][n] + dyz * sums[2][n];
+
+        if (dim == MPM_MAX_DIM) across += ydz * sums[3][n];
+        total += x[k] * across + d[k] * yz * sums[1][n];
+      }
+    }
+  }
+  return total;
 }
 
 PetscReal MpmPointSlopesWeight(const MpmPointSlopes *slopes, PetscInt axis, PetscInt i, MpmSlopeKind kind)

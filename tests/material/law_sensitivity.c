@@ -223,12 +223,66 @@ START_TEST(test_against_other_forms)
 }
 END_TEST
 
+/* One of the pack's directions, column k of rows */
+static void AddColumn(int k, int count, const double *direction, double *rows)
+{
+  for (int i = 0; i < count; ++i) rows[i * MPM_PACK + k] = direction[i];
+}
+
+/* A pack of directions gives what each of them gives alone. */
+START_TEST(test_packs)
+{
+  const Law           *law         = LawGet(_i);
+  const MpmSensitivity sensitivity = (MpmSensitivity)law->info[SENSITIVITY].law;
+  const int            n = SYM + LawStateSize(law), parameters = (int)law->info[PLAIN].parameter_count;
+
+  RandomSeed(23);
+  for (int sample = 0; sample < SAMPLES; ++sample) {
+    double parameter[MAX_PARAMETERS * MPM_PACK] = {0.}, state[MAX_STATE * MPM_PACK] = {0.}, F[DIM2 * MPM_PACK];
+    double dF[DIM2 * MPM_PACK], answer[MAX_ANSWER], rows[MAX_ANSWER * MPM_PACK], single[MPM_PACK][MAX_ANSWER];
+    const MpmLawInput along = {
+      .parameter = parameter, .state_n = state, .F_n = F, .dF = dF, .count = MPM_PACK - 1, .stride = MPM_PACK};
+    const MpmLawOutput value = {answer, answer + SYM}, slope = {rows, rows + SYM * MPM_PACK};
+    MpmLawTable        table[MAX_PARAMETERS];
+    Setting            setting, direction = {0};
+    MpmLawInput        input;
+
+    Sample(law, sample, &setting);
+    direction.point.law = law;
+    for (int k = 0; k < MPM_PACK; ++k) {
+      for (int kind = 0; kind < KINDS; ++kind) {
+        for (int c = 0; c < Components(law, (Kind)kind); ++c) {
+          double *x = Component(&direction, (Kind)kind, c), *at = Component(&setting, (Kind)kind, c);
+
+          if (x && kind != TABLE) *x = (RandomUniform(-1., 1.)) * Scale(&setting, (Kind)kind, c, *at);
+        }
+      }
+      AddColumn(k, parameters, direction.point.parameter, parameter);
+      AddColumn(k, LawStateSize(law), direction.point.state, state);
+      AddColumn(k, DIM2, direction.point.F, F);
+      AddColumn(k, DIM2, direction.dF, dF);
+      ck_assert_int_eq(Derivative(&setting, &direction, answer, single[k]), 0);
+    }
+    input = PointInput(&setting.point, setting.dF, table);
+    ck_assert_int_eq(sensitivity(&input, &along, &value, &slope), 0);
+    for (int k = 0; k < MPM_PACK - 1; ++k) {
+      double column[MAX_ANSWER];
+
+      for (int i = 0; i < n; ++i)
+        column[i] =
+          rows[i * MPM_PACK + k] / (i < SYM ? PointStiffness(&setting.point) : PointStateUnit(&setting.point, i - SYM));
+      ck_assert_double_le(MaxDifference(n, column, single[k]), 1e-12 * fmax(1e-3, MaxNorm(n, single[k])));
+    }
+  }
+}
+END_TEST
+
 /* No stress where there is none, and history only where it is wanted; what does not change may be NULL. */
 START_TEST(test_calls)
 {
   const Law           *law         = LawGet(_i);
   const MpmSensitivity sensitivity = (MpmSensitivity)law->info[SENSITIVITY].law;
-  const MpmLawInput    nothing     = {NULL, NULL, NULL, NULL, NULL, 0.};
+  const MpmLawInput    nothing     = {.dt = 0.};
   double               tau[2][SYM];
   const MpmLawOutput   value = {tau[0], NULL}, derivative = {tau[1], NULL};
   MpmLawTable          table[MAX_PARAMETERS];
@@ -255,6 +309,7 @@ Suite *LawSensitivitySuite(void)
 
   tcase_add_loop_test(tcase, test_against_differences, 0, LawCount());
   tcase_add_loop_test(tcase, test_against_other_forms, 0, LawCount());
+  tcase_add_loop_test(tcase, test_packs, 0, LawCount());
   tcase_add_loop_test(tcase, test_calls, 0, LawCount());
   tcase_set_timeout(tcase, 60.);
   suite_add_tcase(suite, tcase);

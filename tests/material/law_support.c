@@ -231,7 +231,7 @@ void PointCreate(const Law *law, int degenerate, Point *point)
 MpmLawInput PointInput(const Point *point, const double *dF, MpmLawTable table[MAX_PARAMETERS])
 {
   const MpmLawInfo *info  = &point->law->info[PLAIN];
-  const MpmLawInput input = {point->parameter, table, point->state, point->F, dF, 1.};
+  const MpmLawInput input = {point->parameter, table, point->state, point->F, dF, 1., 0, 0};
 
   for (size_t p = 0; p < info->parameter_count; ++p) {
     const MpmParameterKind kind = info->parameters[p].kind;

@@ -130,8 +130,8 @@ static void Ask(const MpmLawInfo *info, const MpmLawTable tables[], const MpmLaw
 {
   const double         parameter[4] = {0., 1e3, 0., 0.}, identity[4] = {1., 0., 0., 1.};
   const double         state[5] = {1., 1., 1., 0., 0.}, dF[4] = {stretch, 0., 0., stretch};
-  const MpmLawInput    input = {parameter, tables, state, identity, dF, 1.};
-  const MpmLawInput    along = {NULL, direction, NULL, NULL, NULL, 0.};
+  const MpmLawInput    input = {parameter, tables, state, identity, dF, 1., 0, 0};
+  const MpmLawInput    along = {NULL, direction, NULL, NULL, NULL, 0., 0, 0};
   const MpmLawOutput   value = {tau, NULL}, derivative = {dtau, NULL};
   const MpmSensitivity sensitivity = (MpmSensitivity)info->law;
 
@@ -195,8 +195,9 @@ END_TEST
 /* A material of a scene has its law in all forms, and its stiffness at a state. */
 START_TEST(material)
 {
-  const double       identity[4] = {1., 0., 0., 1.}, stretched[4] = {2., 0., 0., 1.}, modulus[16] = {0., 1.};
-  const MpmLawInput  input = {NULL, NULL, NULL, identity, stretched, 1.}, along = {modulus, NULL, NULL, NULL, NULL, 0.};
+  const double      identity[4] = {1., 0., 0., 1.}, stretched[4] = {2., 0., 0., 1.}, modulus[16] = {0., 1.};
+  const MpmLawInput input = {NULL, NULL, NULL, identity, stretched, 1., 0, 0},
+                    along = {modulus, NULL, NULL, NULL, NULL, 0., 0, 0};
   double             tau[4], dtau[4];
   const MpmLawOutput value = {tau, NULL}, derivative = {dtau, NULL};
   MpmMaterial        rubber;

@@ -45,8 +45,7 @@ MPM_FN Real ScalarReal(Scalar a)
 
 MPM_FN double ScalarDirection(Scalar a, int k)
 {
-  (void)k;
-  return RealDirection(a);
+  return RealDirection(a, k);
 }
 
 MPM_FN Scalar ScalarConstant(Real value)
@@ -56,8 +55,10 @@ MPM_FN Scalar ScalarConstant(Real value)
 
 MPM_FN Scalar ScalarSeed(double value, int direction)
 {
-  (void)direction;
-  return RealAlong(value, 1.);
+  double directions[REAL_DIRECTIONS] = {0.};
+
+  directions[direction] = 1.;
+  return RealLoad(value, directions, REAL_DIRECTIONS);
 }
 
 MPM_FN Scalar ScalarChain(Scalar a, double f, double fa)
@@ -67,7 +68,7 @@ MPM_FN Scalar ScalarChain(Scalar a, double f, double fa)
 
 MPM_FN Scalar ScalarChain2(Scalar a, Scalar b, double f, double fa, double fb)
 {
-  return RealAlong(f, fa * RealDirection(a) + fb * RealDirection(b));
+  return RealChain2(a, b, f, fa, fb);
 }
 
 MPM_FN Scalar ScalarAdd(Scalar a, Scalar b)
@@ -80,7 +81,7 @@ MPM_FN Scalar ScalarSub(Scalar a, Scalar b)
   return a - b;
 }
 
-/* Not a * b: where a value is 0, the square of the step would stand in its place. */
+/* Not a * b: where the value of a complex number is 0, the square of the step would stand in its place. */
 MPM_FN Scalar ScalarMul(Scalar a, Scalar b)
 {
   return ScalarChain2(a, b, ScalarValue(a) * ScalarValue(b), ScalarValue(b), ScalarValue(a));
@@ -112,7 +113,7 @@ MPM_FN void ScalarAddProduct(Scalar *sum, const Scalar *a, const Scalar *b)
 /* Adds alpha times the derivatives of a to those of sum, whose value stays. */
 MPM_FN void ScalarAddDirections(Scalar *sum, double alpha, const Scalar *a)
 {
-  *sum = RealAlong(RealValue(*sum), RealDirection(*sum) + alpha * RealDirection(*a));
+  *sum = RealChain2(*sum, *a, RealValue(*sum), 1., alpha);
 }
 
 #elif MPM_DIRECTIONS == 0
@@ -236,11 +237,11 @@ MPM_FN Scalar ScalarSquare(Scalar a)
   function of the inputs as Scalars, by the chain rule. This method is cheaper than carrying all directions of dF along.
   Derivatives by the inputs are numbers, and values are equal in all forms.
 
-  Parameters and history come in as Reals. In the instance that differentiates by them a fifth direction is theirs.
+  Parameters and history come in as Reals. In the instance that differentiates by them more directions are theirs.
 */
 #define MPM_DUAL_INPUTS 4
 #if defined(MPM_SENSITIVITY)
-#define MPM_DUAL_DIRECTIONS (MPM_DUAL_INPUTS + 1)
+#define MPM_DUAL_DIRECTIONS (MPM_DUAL_INPUTS + REAL_DIRECTIONS)
 #else
 #define MPM_DUAL_DIRECTIONS MPM_DUAL_INPUTS
 #endif
@@ -255,7 +256,10 @@ MPM_FN Scalar ScalarSquare(Scalar a)
 MPM_FN Real DualReal(Dual a)
 {
 #if defined(MPM_SENSITIVITY)
-  return RealAlong(DualValue(a), DualDirection(a, MPM_DUAL_INPUTS));
+  double direction[REAL_DIRECTIONS];
+
+  for (int k = 0; k < REAL_DIRECTIONS; ++k) direction[k] = DualDirection(a, MPM_DUAL_INPUTS + k);
+  return RealLoad(DualValue(a), direction, REAL_DIRECTIONS);
 #else
   return DualValue(a);
 #endif

@@ -57,7 +57,7 @@ MPM_FN double NUMBER_(Direction)(NUMBER a, int k)
 #endif
 }
 
-/* A number independent of the directions; where Reals have a derivative of their own, it is the last direction. */
+/* A number independent of the directions; where Reals have derivatives of their own, these are the last directions. */
 MPM_FN NUMBER NUMBER_(Constant)(Real value)
 {
   const NUMBER_(Lane) zero = {0.};
@@ -65,10 +65,16 @@ MPM_FN NUMBER NUMBER_(Constant)(Real value)
 
   c.v                        = NUMBER_(Splat)(RealValue(value));
   NUMBER_FOR_LANES(k) c.d[k] = zero;
-#if defined(MPM_SENSITIVITY) && NUMBER_LANE == 1
-  c.d[NUMBER_DIRECTIONS - 1] = RealDirection(value);
-#elif defined(MPM_SENSITIVITY)
-  c.d[(NUMBER_DIRECTIONS - 1) / NUMBER_LANE][(NUMBER_DIRECTIONS - 1) % NUMBER_LANE] = RealDirection(value);
+#if defined(MPM_SENSITIVITY)
+  for (int k = 0; k < REAL_DIRECTIONS; ++k) {
+    const int at = NUMBER_DIRECTIONS - REAL_DIRECTIONS + k;
+
+#if NUMBER_LANE == 1
+    c.d[at] = RealDirection(value, k);
+#else
+    c.d[at / NUMBER_LANE][at % NUMBER_LANE] = RealDirection(value, k);
+#endif
+  }
 #endif
   return c;
 }
@@ -81,7 +87,7 @@ MPM_FN NUMBER NUMBER_(Seed)(double value, int direction)
 #if NUMBER_LANE == 1
   c.d[direction] = 1.;
 #else
-  c.d[direction / NUMBER_LANE][direction % NUMBER_LANE]                             = 1.;
+  c.d[direction / NUMBER_LANE][direction % NUMBER_LANE] = 1.;
 #endif
   return c;
 }
@@ -157,8 +163,8 @@ MPM_FN NUMBER NUMBER_(Scale)(Real alpha, NUMBER a)
 #if defined(MPM_SENSITIVITY)
   return NUMBER_(Mul)(NUMBER_(Constant)(alpha), a);
 #else
-  a.v                                                                               = alpha * a.v;
-  NUMBER_FOR_LANES(k) a.d[k]                                                        = alpha * a.d[k];
+  a.v                                                   = alpha * a.v;
+  NUMBER_FOR_LANES(k) a.d[k]                            = alpha * a.d[k];
   return a;
 #endif
 }

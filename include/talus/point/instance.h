@@ -3,6 +3,14 @@
   How a file in materials/ or physics/ makes itself known, once per instance. Included by law.h.
 */
 
+/* Linkage of the functions that the engine calls; instances with MPM_SENSITIVITY are compiled as C++ where there is a
+   compiler for it. */
+#if defined(__cplusplus)
+#define MPM_LINKAGE extern "C"
+#else
+#define MPM_LINKAGE
+#endif
+
 /* Rows of a static table */
 #define MPM_ROWS(table_) (sizeof(table_) / sizeof((table_)[0]))
 
@@ -17,17 +25,21 @@
   static int Sensitivity_##name_(const MpmLawInput *input, const MpmLawInput *direction, const MpmLawOutput *value, \
                                  const MpmLawOutput *derivative) \
   { \
-    const size_t      size = LawStateSize(states_, MPM_ROWS(states_)); \
-    Real              parameter[MPM_ROWS(parameters_)], F_n[MPM_TENSOR]; \
-    Real              state_n[MPM_ROWS(states_) * MPM_SYM], state[MPM_ROWS(states_) * MPM_SYM]; \
-    const LawRoom     room = {parameter, state_n, value->state ? state : NULL, F_n, MPM_ROWS(parameters_), size}; \
-    Tensor            dF; \
-    const MpmLawPoint point = LawPointCreate(input, direction, &room, &dF); \
-    Sym               tau; \
+    const size_t  size = LawStateSize(states_, MPM_ROWS(states_)); \
+    Real          parameter[MPM_ROWS(parameters_)], F_n[MPM_TENSOR]; \
+    Real          state_n[MPM_ROWS(states_) * MPM_SYM], state[MPM_ROWS(states_) * MPM_SYM]; \
+    const LawRoom room = {parameter, state_n, value->state ? state : NULL, F_n, MPM_ROWS(parameters_), size}; \
+    Tensor        dF; \
+    Sym           tau; \
 \
-    if (kernel_(&point, &dF, &tau)) return 1; \
-    LawSplit(MPM_SYM, tau.a, value->tau, derivative->tau); \
-    if (value->state) LawSplit(size, state, value->state, derivative->state); \
+    for (int first = 0; !first || first < direction->count; first += REAL_DIRECTIONS) { \
+      const RealColumns columns = LawColumns(first, direction->count, direction->stride); \
+      const MpmLawPoint point   = LawPointCreate(input, direction, columns, &room, &dF); \
+\
+      if (kernel_(&point, &dF, &tau)) return 1; \
+      LawSplit(MPM_SYM, tau.a, columns, value->tau, derivative->tau); \
+      if (value->state) LawSplit(size, state, columns, value->state, derivative->state); \
+    } \
     return 0; \
   }
 typedef MpmSensitivity MpmLawEntry;
@@ -36,17 +48,18 @@ typedef MpmSensitivity MpmLawEntry;
   place of doubles; MPM_DILATANCY(name, function) - its members of MpmLawInfo
 */
 #define MPM_LAW_DILATANCY(name_, parameters_, states_, function_) \
-  static double Dilatancy_##name_(const MpmLawInput *input, const MpmLawInput *direction, double elastic[2][3], \
-                                  double *derivative) \
+  static void Dilatancy_##name_(const MpmLawInput *input, const MpmLawInput *direction, double value[4], \
+                                double *derivative) \
   { \
-    Real parameter[MPM_ROWS(parameters_)], state[MPM_ROWS(states_) * MPM_SYM], b[3] = {0., 0., 0.}, beta; \
+    for (int first = 0; !first || first < direction->count; first += REAL_DIRECTIONS) { \
+      const RealColumns columns = LawColumns(first, direction->count, direction->stride); \
+      Real parameter[MPM_ROWS(parameters_)], state[MPM_ROWS(states_) * MPM_SYM], answer[4] = {0., 0., 0., 0.}; \
 \
-    LawJoin(MPM_ROWS(parameters_), input->parameter, direction->parameter, parameter); \
-    LawJoin(LawStateSize(states_, MPM_ROWS(states_)), input->state_n, direction->state_n, state); \
-    beta = function_(parameter, input->table, state, b); \
-    LawSplit(3, b, elastic[0], elastic[1]); \
-    *derivative = RealDirection(beta); \
-    return RealValue(beta); \
+      LawJoin(MPM_ROWS(parameters_), input->parameter, direction->parameter, columns, parameter); \
+      LawJoin(LawStateSize(states_, MPM_ROWS(states_)), input->state_n, direction->state_n, columns, state); \
+      answer[0] = function_(parameter, input->table, state, &answer[1]); \
+      LawSplit(4, answer, columns, value, derivative); \
+    } \
   }
 #define MPM_DILATANCY(name_, function_) .dilatancy_sensitivity = Dilatancy_##name_
 #else
@@ -66,8 +79,8 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 */
 #define MPM_LAW_DEFINE(name_, parameters_, states_, kernel_, ...) \
   MPM_LAW_ENTRY(name_, parameters_, states_, kernel_) \
-  void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info); \
-  void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info) \
+  MPM_LINKAGE void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info); \
+  MPM_LINKAGE void MPM_INSTANCE(MpmMaterialCreate_##name_)(MpmLawInfo * info) \
   { \
     const MpmLawEntry law = MPM_LAW_FUNCTION(name_, kernel_); \
     *info                 = (MpmLawInfo){__VA_ARGS__}; \
@@ -121,8 +134,8 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
   kernel set
 */
 #define MPM_KERNEL_CREATE(name_, ...) \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set); \
-  void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set) \
+  MPM_LINKAGE void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set); \
+  MPM_LINKAGE void MPM_INSTANCE(MpmKernelCreate_##name_)(MpmKernelSet * set) \
   { \
     __VA_ARGS__ \
   }
@@ -132,14 +145,17 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
                                  const MpmKernelDirection *direction, double *flux, double *dflux, \
                                  const MpmKernelEnd *derivative) \
   { \
-    Real              F_n[MPM_TENSOR], F[MPM_TENSOR], stress[MPM_SYM]; \
-    Scalar            in[inputs_], out[inputs_]; \
-    const KernelPoint point = KernelPointCreate(values, direction, derivative, F_n, F, stress); \
+    KernelRoom room; \
+    Scalar     in[inputs_], out[inputs_]; \
 \
-    LawJoin(inputs_, input, direction->input, in); \
-    if (kernel_(&point, in, out)) return 1; \
-    LawSplit(inputs_, out, flux, dflux); \
-    KernelSplitEnd(&point, derivative); \
+    for (int first = 0; !first || first < direction->count; first += REAL_DIRECTIONS) { \
+      const KernelPoint point = KernelPointCreate(values, direction, first, derivative, &room); \
+\
+      LawJoin(inputs_, input, direction->input, point.columns, in); \
+      if (kernel_(&point, in, out)) return 1; \
+      LawSplit(inputs_, out, point.columns, flux, dflux); \
+      KernelSplitEnd(&point, derivative); \
+    } \
     return 0; \
   }
 #define MPM_KERNEL(name_, inputs_, kernel_) \
@@ -197,16 +213,19 @@ typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 #define MPM_KERNEL_MEAN(name_, inputs_, kernel_, mean_, tangent_) \
   MPM_KERNEL_SENSITIVITY(name_, inputs_, kernel_) \
   static int MeanSensitivity_##name_(const MpmKernelPoint *values, const double *input, \
-                                     const MpmKernelDirection *direction, double m[2], double *dm, double *ddm) \
+                                     const MpmKernelDirection *direction, double *m, double *dm, double *ddm) \
   { \
-    Real              F_n[MPM_TENSOR]; \
-    Scalar            in[(inputs_)-1], mean, derivative[(inputs_)-1]; \
-    const KernelPoint point = KernelPointCreate(values, direction, NULL, F_n, NULL, NULL); \
+    KernelRoom room; \
+    Scalar     in[(inputs_)-1], mean, derivative[(inputs_)-1]; \
 \
-    LawJoin((inputs_)-1, input, direction->input, in); \
-    if (mean_(&point, in, &mean, derivative)) return 1; \
-    LawSplit(1, &mean, &m[0], &m[1]); \
-    LawSplit((inputs_)-1, derivative, dm, ddm); \
+    for (int first = 0; !first || first < direction->count; first += REAL_DIRECTIONS) { \
+      const KernelPoint point = KernelPointCreate(values, direction, first, NULL, &room); \
+\
+      LawJoin((inputs_)-1, input, direction->input, point.columns, in); \
+      if (mean_(&point, in, &mean, derivative)) return 1; \
+      LawSplit(1, &mean, point.columns, &m[0], &m[1]); \
+      LawSplit((inputs_)-1, derivative, point.columns, dm, ddm); \
+    } \
     return 0; \
   } \
   MPM_KERNEL_CREATE(name_, set->sensitivity = Sensitivity_##name_; set->mean_sensitivity = MeanSensitivity_##name_;)

@@ -10,8 +10,8 @@
     MPM_DIRECTIONS   number of derivative directions that a Scalar carries: 0 (plain double), 1 (one direction, for
                      Jacobian actions and colouring), or one for each component of dF (a point's whole tangent). A
                      physics may have as many directions as inputs: LawStress() composes a law's by the chain rule
-    MPM_SENSITIVITY  defined in one more instance of every law, and of some physics, of one direction: that of anything
-                     they are given, history, deformation, parameters and dF. Real is a double in all others
+    MPM_SENSITIVITY  defined in one more instance of every law, and of some physics, with derivatives by anything they
+                     are given, history, deformation, parameters and dF. Real is a double in all others
 
   Every symbol with external linkage carries the instance in its name through MPM_INSTANCE(). Nothing here or in a
   kernel calls PETSc, allocates, does I/O or touches a global, and all of it is in the common subset of C11 and CUDA
@@ -51,7 +51,7 @@
   F_n       deformation gradient at the step's start, as a Tensor has it
   dt        the step's time, s
   table     contents of tables and data, by parameter; read through TableCount(), TableEntry(), TableSegmentAt()
-  table_direction  their derivatives, or NULL
+  table_direction  their derivatives, or NULL; columns: those of them that the Reals have
 */
 typedef struct {
   const Real        *parameter;
@@ -62,6 +62,7 @@ typedef struct {
   const MpmLawTable *table;
 #if defined(MPM_SENSITIVITY)
   const MpmLawTable *table_direction;
+  RealColumns        columns;
 #endif
 } MpmLawPoint;
 

@@ -15,7 +15,8 @@ MPM_FN Real TableEntry(const MpmLawPoint *point, int k, long i)
 #if defined(MPM_SENSITIVITY)
   const MpmLawTable *direction = point->table_direction;
 
-  if (direction && direction[k].value) return RealAlong(point->table[k].value[i], direction[k].value[i]);
+  if (direction && direction[k].value)
+    return RealLoad(point->table[k].value[i], RealRow(direction[k].value, i, point->columns), point->columns.count);
 #endif
   return point->table[k].value[i];
 }

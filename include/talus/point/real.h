@@ -3,53 +3,24 @@
   Real: the number type of a law's arguments besides the step's increment: parameters, history, deformation gradient.
   Included by dual.h.
 
-  A double, so that it costs nothing. In the instances with MPM_SENSITIVITY, which differentiate by these, a complex
-  number whose imaginary part is the derivative in the one direction of that instance, times REAL_STEP: the complex step
-  (Squire and Trapp 1998, doi:10.1137/S003614459631241X), so small that its square vanishes against any value and the
-  derivative is exact to rounding. Thus + - * / stay in laws; assigning a Real to a double, which would lose the
-  derivative, is a warning, and comparing two Reals an error. A class may serve in C++.
+  A double, so that it costs nothing. In the instances with MPM_SENSITIVITY, which differentiate by these, it carries
+  derivatives in REAL_DIRECTIONS directions: compiled as C++ in eight, a class (real_pack.h); as C, which has one such
+  type, in one, a complex number (real_complex.h). Thus + - * / stay in laws; assigning a Real to a double, which would
+  lose the derivative, is a warning or an error, and comparing two Reals an error.
 */
 #include <math.h>
 
-#if defined(MPM_SENSITIVITY)
-#include <complex.h>
-#undef I      /* an identity here */
-#ifndef CMPLX /* of C11; the C library has it for GCC alone */
-#define CMPLX(re, im) __builtin_complex((double)(re), (double)(im))
-#endif
+/* Derivatives as arrays have them: of each number a row of `stride`, of which Reals take `count` from `first` on. */
+typedef struct {
+  int first, count, stride;
+} RealColumns;
 
-typedef double _Complex Real;
+#define RealRow(array_, k_, columns_) (&(array_)[(k_) * (columns_).stride + (columns_).first])
 
-#define REAL_STEP 0x1p-500
-
-MPM_FN double RealValue(Real a)
-{
-  return creal(a);
-}
-
-MPM_FN double RealDirection(Real a)
-{
-  return cimag(a) * (1. / REAL_STEP);
-}
-
-/* A value with its derivative in the instance's direction. */
-MPM_FN Real RealAlong(double value, double derivative)
-{
-  return CMPLX(value, derivative * REAL_STEP);
-}
-
-/* f(a), given f and its derivative fa at the value of a. */
-MPM_FN Real RealChain(Real a, double f, double fa)
-{
-  return CMPLX(f, fa * cimag(a));
-}
-
-/* Whether a is 0, with its derivative: only then may it be left out. */
-MPM_FN int RealVanishes(Real a)
-{
-  return creal(a) == 0. && cimag(a) == 0.;
-}
-
+#if defined(MPM_SENSITIVITY) && defined(__cplusplus)
+#include "real_pack.h"
+#elif defined(MPM_SENSITIVITY)
+#include "real_complex.h"
 #else
 
 typedef double Real;
@@ -115,7 +86,7 @@ MPM_FN Real RealPow(Real a, Real b)
 #if defined(MPM_SENSITIVITY)
   const double f = pow(RealValue(a), RealValue(b));
 
-  return RealAlong(f, f * (RealValue(b) / RealValue(a) * RealDirection(a) + log(RealValue(a)) * RealDirection(b)));
+  return RealChain2(a, b, f, f * RealValue(b) / RealValue(a), f * log(RealValue(a)));
 #else
   return pow(a, b);
 #endif

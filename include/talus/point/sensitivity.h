@@ -1,6 +1,6 @@
 #pragma once
 /*
-  How a law or a physics is differentiated by all that it is given, in one direction: plain numbers to Reals and back.
+  How a law or a physics is differentiated by all that it is given: plain numbers to Reals and back.
   Included by instance.h in the instances with MPM_SENSITIVITY.
 */
 
@@ -18,38 +18,49 @@ MPM_FN size_t LawStateSize(const MpmStateVariable *states, size_t count)
   return size;
 }
 
-/* Values with their derivatives in the direction, all 0 where that is NULL */
-MPM_FN void LawJoin(size_t count, const double *value, const double *direction, Real *joined)
+/* The columns of `directions` from `first` on that Reals have room for; no directions, or no stride, stand for one. */
+MPM_FN RealColumns LawColumns(int first, int directions, int stride)
 {
-  for (size_t k = 0; k < count; ++k) joined[k] = RealAlong(value[k], direction ? direction[k] : 0.);
+  const int         left    = (directions ? directions : 1) - first;
+  const RealColumns columns = {first, left < REAL_DIRECTIONS ? left : REAL_DIRECTIONS, stride ? stride : 1};
+
+  return columns;
+}
+
+/* Values with their derivatives in the directions, all 0 where these are NULL */
+MPM_FN void LawJoin(size_t count, const double *value, const double *direction, RealColumns columns, Real *joined)
+{
+  for (size_t k = 0; k < count; ++k)
+    joined[k] = direction ? RealLoad(value[k], RealRow(direction, (int)k, columns), columns.count) : value[k];
 }
 
 /* The inverse of LawJoin() */
-MPM_FN void LawSplit(size_t count, const Real *joined, double *value, double *direction)
+MPM_FN void LawSplit(size_t count, const Real *joined, RealColumns columns, double *value, double *direction)
 {
   for (size_t k = 0; k < count; ++k) {
-    value[k]     = RealValue(joined[k]);
-    direction[k] = RealDirection(joined[k]);
+    value[k] = RealValue(joined[k]);
+    RealStore(joined[k], RealRow(direction, (int)k, columns), columns.count);
   }
 }
 
 /* The point and dF as a kernel sees them, in the given room */
-MPM_FN MpmLawPoint LawPointCreate(const MpmLawInput *input, const MpmLawInput *direction, const LawRoom *room,
-                                  Tensor *dF)
+MPM_FN MpmLawPoint LawPointCreate(const MpmLawInput *input, const MpmLawInput *direction, RealColumns columns,
+                                  const LawRoom *room, Tensor *dF)
 {
   MpmLawPoint point;
 
-  LawJoin(room->parameter_count, input->parameter, direction->parameter, room->parameter);
-  LawJoin(room->state_size, input->state_n, direction->state_n, room->state_n);
-  LawJoin(MPM_TENSOR, input->F_n, direction->F_n, room->F_n);
-  LawJoin(MPM_TENSOR, input->dF, direction->dF, dF->a);
+  LawJoin(room->parameter_count, input->parameter, direction->parameter, columns, room->parameter);
+  LawJoin(room->state_size, input->state_n, direction->state_n, columns, room->state_n);
+  LawJoin(MPM_TENSOR, input->F_n, direction->F_n, columns, room->F_n);
+  LawJoin(MPM_TENSOR, input->dF, direction->dF, columns, dF->a);
   point.parameter       = room->parameter;
   point.state_n         = room->state_n;
   point.state           = room->state;
   point.F_n             = room->F_n;
-  point.dt              = RealAlong(input->dt, direction->dt);
+  point.dt              = columns.first ? input->dt : RealLoad(input->dt, &direction->dt, 1);
   point.table           = input->table;
   point.table_direction = direction->table;
+  point.columns         = columns;
   return point;
 }
 
@@ -62,7 +73,8 @@ MPM_FN MpmLawPoint LawPointCreate(const MpmLawInput *input, const MpmLawInput *d
 typedef struct {
   const MpmKernelPoint     *values;
   const MpmKernelDirection *direction;
-  double                   *state; /* derivatives of the history at the step's end, or NULL */
+  RealColumns               columns; /* of the direction's arrays */
+  double                   *state;   /* derivatives of the history at the step's end, or NULL */
   MpmKernelMaterial         material;
   const Real               *F_n, *stress_n;
   double                    volume0;
@@ -71,42 +83,63 @@ typedef struct {
   } end;
 } KernelPoint;
 
+/* Derivatives from the first of the columns on */
+MPM_FN const double *LawShift(const double *direction, RealColumns columns)
+{
+  return direction ? direction + columns.first : NULL;
+}
+
 /* The Kirchhoff stress at dF. Non-zero where the law has no answer. */
 MPM_FN int LawStress(const KernelPoint *point, const Tensor *dF, Sym *tau)
 {
   const MpmKernelPoint     *values    = point->values;
   const MpmKernelDirection *direction = point->direction;
-  double                    by[2][MPM_TENSOR], stress[2][MPM_SYM];
-  const MpmLawInput         input = {.parameter = values->material.parameter,
-                                     .table     = values->material.table,
-                                     .state_n   = values->state_n,
-                                     .F_n       = values->F_n,
-                                     .dF        = by[0],
-                                     .dt        = values->stage ? values->stage->span : values->dt};
-  const MpmLawInput         along = {
-            .parameter = direction->parameter, .state_n = direction->state_n, .F_n = direction->F_n, .dF = by[1]};
-  const MpmLawOutput   value = {stress[0], values->end.state}, derivative = {stress[1], point->state};
-  const MpmSensitivity law = (MpmSensitivity)values->material.law[MPM_FORM_SENSITIVITY];
+  const RealColumns         columns = point->columns, own = {0, columns.count, columns.stride};
+  double                    by[MPM_TENSOR], dby[MPM_TENSOR * MPM_PACK], stress[MPM_SYM], dstress[MPM_SYM * MPM_PACK];
+  const MpmLawInput         input      = {.parameter = values->material.parameter,
+                                          .table     = values->material.table,
+                                          .state_n   = values->state_n,
+                                          .F_n       = values->F_n,
+                                          .dF        = by,
+                                          .dt        = values->stage ? values->stage->span : values->dt};
+  const MpmLawInput         along      = {.parameter = LawShift(direction->parameter, columns),
+                                          .state_n   = LawShift(direction->state_n, columns),
+                                          .F_n       = LawShift(direction->F_n, columns),
+                                          .dF        = dby,
+                                          .count     = columns.count,
+                                          .stride    = columns.stride};
+  const MpmLawOutput        value      = {stress, values->end.state};
+  const MpmLawOutput        derivative = {dstress, point->state ? point->state + columns.first : NULL};
+  const MpmSensitivity      law        = (MpmSensitivity)values->material.law[MPM_FORM_SENSITIVITY];
 
-  LawSplit(MPM_TENSOR, dF->a, by[0], by[1]);
+  LawSplit(MPM_TENSOR, dF->a, own, by, dby);
   if (law(&input, &along, &value, &derivative)) return 1;
-  LawJoin(MPM_SYM, stress[0], stress[1], tau->a);
+  LawJoin(MPM_SYM, stress, dstress, own, tau->a);
   return 0;
 }
 
-/* The point with Reals, in the given room; `derivative`, F and `stress` are NULL where its end is not wanted. */
-MPM_FN KernelPoint KernelPointCreate(const MpmKernelPoint *values, const MpmKernelDirection *direction,
-                                     const MpmKernelEnd *derivative, Real *F_n, Real *F, Real *stress)
-{
-  const KernelPoint point = {.values    = values,
-                             .direction = direction,
-                             .state     = derivative ? derivative->state : NULL,
-                             .material  = values->material,
-                             .F_n       = F_n,
-                             .volume0   = values->volume0,
-                             .end       = {F && values->end.F ? F : NULL, stress}};
+/* Room for the Reals of a physics' point */
+typedef struct {
+  Real F_n[MPM_TENSOR], F[MPM_TENSOR], stress[MPM_SYM];
+} KernelRoom;
 
-  LawJoin(MPM_TENSOR, values->F_n, direction->F_n, F_n);
+/* The point with Reals, from direction `first` on; `derivative` is NULL where its end is not wanted. */
+MPM_FN KernelPoint KernelPointCreate(const MpmKernelPoint *values, const MpmKernelDirection *direction, int first,
+                                     const MpmKernelEnd *derivative, KernelRoom *room)
+{
+  KernelPoint point;
+
+  point.values     = values;
+  point.direction  = direction;
+  point.columns    = LawColumns(first, direction->count, direction->count);
+  point.state      = derivative ? derivative->state : NULL;
+  point.material   = values->material;
+  point.F_n        = room->F_n;
+  point.stress_n   = NULL;
+  point.volume0    = values->volume0;
+  point.end.F      = derivative && values->end.F ? room->F : NULL;
+  point.end.stress = room->stress;
+  LawJoin(MPM_TENSOR, values->F_n, direction->F_n, point.columns, room->F_n);
   return point;
 }
 
@@ -114,6 +147,6 @@ MPM_FN KernelPoint KernelPointCreate(const MpmKernelPoint *values, const MpmKern
 MPM_FN void KernelSplitEnd(const KernelPoint *point, const MpmKernelEnd *derivative)
 {
   if (!point->end.F) return;
-  LawSplit(MPM_TENSOR, point->end.F, point->values->end.F, derivative->F);
-  LawSplit(MPM_SYM, point->end.stress, point->values->end.stress, derivative->stress);
+  LawSplit(MPM_TENSOR, point->end.F, point->columns, point->values->end.F, derivative->F);
+  LawSplit(MPM_SYM, point->end.stress, point->columns, point->values->end.stress, derivative->stress);
 }

@@ -107,10 +107,10 @@ typedef struct {
 typedef double (*MpmDilatancy)(const double *parameter, const MpmLawTable *table, const double *state,
                                double elastic[3]);
 
-/* MpmDilatancy and its derivative in a direction of parameters and state_n; elastic[1] has that of elastic[0]. */
+/* MpmDilatancy, behind it `elastic`, and their derivatives in directions of parameters and state_n, in rows. */
 struct MpmLawInput;
-typedef double (*MpmDilatancySensitivity)(const struct MpmLawInput *input, const struct MpmLawInput *direction,
-                                          double elastic[2][3], double *derivative);
+typedef void (*MpmDilatancySensitivity)(const struct MpmLawInput *input, const struct MpmLawInput *direction,
+                                        double value[4], double *derivative);
 
 /*
   A constitutive law as the registry sees it; `law` is of one compiled form. Functions may be NULL, but for `stiffness`.
@@ -172,9 +172,15 @@ typedef struct {
 */
 typedef enum { MPM_FORM_RESIDUAL, MPM_FORM_DIRECTION, MPM_FORM_TANGENT, MPM_FORM_SENSITIVITY, MPM_FORM_COUNT } MpmForm;
 
+/* Directions that are differentiated by at once */
+#define MPM_PACK 8
+
 /*
-  All that a law's answer depends on, or a direction in which it changes. In a direction NULL stands for what does not
-  change; of a table's values all may change, x and y.
+  All that a law's answer depends on, or directions in which it changes. There NULL stands for what does not change; of
+  a table's values all may change, x and y.
+
+  Up to MPM_PACK directions: of each number the arrays have `stride` derivatives, of which `count` are read. Zeros
+  stand for one direction.
 */
 typedef struct MpmLawInput {
   const double      *parameter; /* in the order of the law's parameter table; words do not change */
@@ -182,17 +188,18 @@ typedef struct MpmLawInput {
   const double      *state_n; /* history at the step's start */
   const double      *F_n;     /* deformation gradient there, MpmKinematicsF() components */
   const double      *dF;      /* F_{n+1} F_n^{-1}, likewise */
-  double             dt;      /* s */
+  double             dt;      /* s; among directions it changes in the first */
+  int                count, stride;
 } MpmLawInput;
 
-/* Result of a law, or the derivative of it. `state` may be NULL: not needed. */
+/* Result of a law, or the derivatives of it, in rows as those of the directions. `state` may be NULL: not needed. */
 typedef struct {
   double *tau;   /* Kirchhoff stress, Pa: xx, yy, zz, xy (, yz, xz) */
   double *state; /* history at the step's end */
 } MpmLawOutput;
 
 /*
-  A law's answer and its derivative in one direction. `derivative->state` is wanted with `value->state` or not at all.
+  A law's answer and its derivatives in directions. `derivative->state` is wanted with `value->state` or not at all.
   Non-zero where the law has no answer.
 */
 typedef int (*MpmSensitivity)(const MpmLawInput *input, const MpmLawInput *direction, const MpmLawOutput *value,
@@ -276,13 +283,16 @@ typedef struct {
 } MpmKernelPoint;
 
 /*
-  A direction in which all that a kernel depends on at a point changes; NULL: that does not. Numbers of tables, of the
+  Directions in which all that a kernel depends on at a point changes; NULL: that does not. Numbers of tables, of the
   physics and of time do not change.
+
+  Up to MPM_PACK directions: of each number the arrays, and those of derivatives, have a row of `count`; 0: one.
 */
 typedef struct {
   const double *input;     /* of the kernel */
   const double *parameter; /* of the law, in the order of its table */
   const double *state_n, *F_n;
+  int           count;
 } MpmKernelDirection;
 
 /*
@@ -296,10 +306,10 @@ typedef struct {
   mean        NULL, or m, of whose mean over the points of the cell the last input is the value, and its derivatives by
               the other inputs. Where the residual derives from an energy, so must the flux of the mean, and the engine
               adds the contribution of the points' own m to the other fluxes.
-  mean_tangent  as `mean`, and the second derivatives too: ddm[k*(inputs - 1) + l] sensitivity   flux and point->end,
-  and their derivatives in a direction, dflux and `derivative`, whose members are there
-                where those of point->end are; NULL: the physics has no derivatives beyond those by its inputs
-  mean_sensitivity  m[0] and dm, and their derivatives in a direction, m[1] and ddm; with `mean` and `sensitivity`
+  mean_tangent  as `mean`, and the second derivatives too: ddm[k*(inputs - 1) + l]
+  sensitivity   flux and point->end, and their derivatives in directions, dflux and `derivative`, in rows of
+                direction->count; NULL: the physics has no derivatives beyond those by its inputs
+  mean_sensitivity  m[0] and dm, and their derivatives in directions, from m[1] on and ddm; with `sensitivity`
 */
 typedef struct {
   int inputs;
@@ -311,7 +321,7 @@ typedef struct {
   int (*sensitivity)(const MpmKernelPoint *point, const double *input, const MpmKernelDirection *direction,
                      double *flux, double *dflux, const MpmKernelEnd *derivative);
   int (*mean_sensitivity)(const MpmKernelPoint *point, const double *input, const MpmKernelDirection *direction,
-                          double m[2], double *dm, double *ddm);
+                          double *m, double *dm, double *ddm);
 } MpmKernelSet;
 
 /*

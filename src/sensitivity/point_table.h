@@ -1,0 +1,80 @@
+#pragma once
+/*
+  Derivatives of a step's points by all that their kernels take: inputs, F and history at the step's start, parameters
+  of the law; found once for a step, in packs of directions, for both halves of a pull.
+
+  Of physics without states beside F and history, in Cartesian axes, with means over whole cells.
+
+  A point's record has the kernel's fluxes q and, of a physics with a mean, m and dm/dinput, then a table for each pack:
+  rows of derivatives of the bars' part  Fbar : F' + zbar . z' , of q, of m and of dm/dinput, a column for each
+  direction.
+*/
+#include "sensitivity/point_work.h"
+
+/* Directions of a law's points: inputs, F, history and parameters, from these columns on. */
+typedef struct {
+  PetscInt            F, state, parameter, count, packs;
+  PetscInt           *place; /* of the parameters in the law's table */
+  MpmKernelDirection *pack;
+  PetscReal          *seeds;
+} MpmPointDirections;
+
+struct MpmPointTable {
+  PetscInt            inputs, means;        /* of the kernel; rows of dm */
+  PetscInt            values, rows, record; /* numbers before the packs, rows of a pack, numbers of a point */
+  PetscInt            material_count;
+  PetscInt            widest; /* packs of a point */
+  MpmPointDirections *columns;
+  PetscReal          *F, *stress, *state, *totals; /* room for one point */
+  PetscReal          *at;
+};
+
+/* Fills a point's record but for the mean, at work->input. */
+PetscErrorCode MpmPointTableFill(const MpmStepMap *map, PetscInt p, const MpmKernelPoint *point,
+                                 const MpmPointVector *end, MpmPointWork *work);
+/* Fills m and dm of a point's record, with their derivatives. */
+PetscErrorCode MpmPointTableFillMean(const MpmStepMap *map, PetscInt p, const MpmKernelPoint *point,
+                                     MpmPointWork *work);
+/*
+  The derivatives of a point's part of L in the first `packs` packs of directions, with K in work->other_input; by the
+  mean of its cell, too, unless `mean` is NULL.
+*/
+void MpmPointTableTotals(const MpmStepMap *map, PetscInt p, PetscInt packs, const MpmMeanPull *mean, MpmPointWork *work,
+                         PetscReal totals[]);
+/* Adds those by F, history and parameters. */
+void MpmPointTableAdd(const MpmStepMap *map, PetscInt p, const PetscReal totals[], MpmPointVector *start,
+                      PetscReal gradient[]);
+
+/* The kernel's fluxes; m and, behind it, dm. */
+static inline const PetscReal *MpmPointTableFlux(const MpmPointTable *table, PetscInt p)
+{
+  return &table->at[p * table->record];
+}
+static inline const PetscReal *MpmPointTableMean(const MpmPointTable *table, PetscInt p)
+{
+  return &table->at[p * table->record + table->inputs];
+}
+/* Packs of a point. */
+static inline PetscInt MpmPointTablePacks(const MpmStepMap *map, PetscInt p)
+{
+  return map->table->columns[map->sum->points->material[p]].packs;
+}
+/* Packs that hold the inputs' columns. */
+static inline PetscInt MpmPointTableInputPacks(const MpmPointTable *table)
+{
+  return (table->inputs + MPM_PACK - 1) / MPM_PACK;
+}
+
+/* A step's pull with the table (table_map.c), as MpmPointsPullSolution() and MpmPointsPullStart(). */
+PetscErrorCode MpmTablePullSolution(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
+                                    PetscReal u[]);
+PetscErrorCode MpmTablePullStart(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
+                                 MpmPointVector *start, PetscReal gradient[]);
+/* MpmPointPullWeights() in Cartesian axes, without changes of initial lengths. */
+PetscErrorCode MpmTablePullWeights(const MpmStepMap *map, const MpmGroup *group, PetscInt p, const MpmPointVector *end,
+                                   const PetscReal by_input[], MpmPointVector *start, MpmPointWork *work);
+/* With a mean over the cell (table_cells.c). */
+PetscErrorCode MpmTableCellsPullSolution(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
+                                         PetscReal u[]);
+PetscErrorCode MpmTableCellsPullStart(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
+                                      MpmPointVector *start, PetscReal gradient[]);
