@@ -54,6 +54,31 @@ void MpmTermsArrive(const MpmTerms *terms, const PetscReal u[])
     if (terms->term[k]->motion.arrive) terms->term[k]->motion.arrive(terms->ctx[k], u);
 }
 
+PetscErrorCode MpmTermsPush(const MpmTerms *terms, const MpmSum *sum, PetscReal force[])
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->motion.push) PetscCall(terms->term[k]->motion.push(terms->ctx[k], sum, force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmTermsResistAny(const MpmTerms *terms)
+{
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->motion.resist) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+PetscErrorCode MpmTermsResist(const MpmTerms *terms, const MpmSum *sum, const PetscReal mass[], PetscReal kick,
+                              PetscReal velocity[])
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->motion.resist)
+      PetscCall(terms->term[k]->motion.resist(terms->ctx[k], sum, mass, kick, velocity));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Work of a term's displacement components in u, of the forces at `at`. */
 static PetscErrorCode ResidualWork(const MpmTerms *terms, PetscInt k, const MpmSum *sum, const PetscReal at[],
                                    const PetscReal u[], PetscReal *work)

@@ -15,6 +15,9 @@
   turn     a step whose forces balance at `part` of it: corrections by the nodes' velocities v at its start, m/s
   limit    stiffness bound of an explicit step dt, by the masses of the nodes, kg. Collective
   arrive   displacements in which an explicit step ends, its forces having acted at others; NULL: none
+  push     adds forces at the start of an explicit step, N, complete at all local nodes. Collective
+  resist   takes from the velocities after an increment over `kick`, s, what the term resists; at all local nodes, of
+           masses in kg
 */
 typedef struct MpmTermMotion {
   void (*rest)(void *ctx);
@@ -24,6 +27,8 @@ typedef struct MpmTermMotion {
   PetscErrorCode (*turn)(void *ctx, const MpmSum *sum, const PetscReal v[], PetscReal part);
   PetscErrorCode (*limit)(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
   void (*arrive)(void *ctx, const PetscReal u[]);
+  PetscErrorCode (*push)(void *ctx, const MpmSum *sum, PetscReal force[]);
+  PetscErrorCode (*resist)(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal kick, PetscReal velocity[]);
 } MpmTermMotion;
 
 /* Entries of the account of energy. */
@@ -46,6 +51,10 @@ PetscReal      MpmTermsKinetic(const MpmTerms *terms);
 PetscErrorCode MpmTermsTurn(const MpmTerms *terms, const MpmSum *sum, const PetscReal v[], PetscReal part);
 PetscErrorCode MpmTermsLimit(const MpmTerms *terms, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
 void           MpmTermsArrive(const MpmTerms *terms, const PetscReal u[]);
+PetscErrorCode MpmTermsPush(const MpmTerms *terms, const MpmSum *sum, PetscReal force[]);
+PetscBool      MpmTermsResistAny(const MpmTerms *terms);
+PetscErrorCode MpmTermsResist(const MpmTerms *terms, const MpmSum *sum, const PetscReal mass[], PetscReal kick,
+                              PetscReal velocity[]);
 /* Work in the displacement u of the forces at `at`. */
 PetscErrorCode MpmTermsWork(const MpmTerms *terms, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
                             MpmTermWork *work);

@@ -195,19 +195,25 @@ static PetscReal MovedMass(const MpmModel model, PetscReal kick, PetscInt k)
   return damping->active ? mass + 0.5 * kick * damping->dashpot[k] : mass;
 }
 
-/* v_new = v_old + k f/m; zero change without mass */
-static void Accelerate(MpmModel model, PetscReal kick, const PetscReal force[])
+/* v_new = v_old + k f/m, less what terms resist; zero change without mass */
+static PetscErrorCode Accelerate(MpmModel model, PetscReal kick, const PetscReal force[])
 {
   MpmDynamics     *dynamics = model->state.scheme.dynamics;
   const PetscReal *mass     = model->disc.context.inertia->mass;
   const PetscInt   dim = model->disc.dim, count = model->disc.space->local * dim;
 
+  PetscFunctionBeginUser;
   for (PetscInt k = 0; k < count; k++) {
     const PetscReal by = mass[k / dim] > 0. ? kick / MovedMass(model, kick, k) : 0.;
 
     dynamics->v_new[k] = dynamics->v_old[k] + by * force[k];
   }
   MpmExplicitPrescribe(model, dynamics->v_new);
+  if (MpmTermsResistAny(model->disc.terms)) {
+    PetscCall(MpmTermsResist(model->disc.terms, model->disc.sum, mass, kick, dynamics->v_new));
+    MpmExplicitPrescribe(model, dynamics->v_new);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Adds to `force` the other terms' forces at the displacement that the step would have without them, which stays in
@@ -291,8 +297,9 @@ static PetscErrorCode FindForces(MpmModel model, MpmOutcome *outcome)
   PetscFunctionBeginUser;
   PetscCall(SumNodes(model, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmTermsPush(model->disc.terms, model->disc.sum, force));
   if (HasOthers(model)) {
-    Accelerate(model, WholeKick(model), force);
+    PetscCall(Accelerate(model, WholeKick(model), force));
     PetscCall(AddOthers(model, force));
   }
   AddGravity(model, model->disc.sum->step.gravity, model->disc.nodal.force);
@@ -373,7 +380,7 @@ static PetscErrorCode Solve(MpmModel model, MpmOutcome *outcome)
   MpmOutcomeClear(outcome);
   PetscCall(FindForces(model, outcome));
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
-  Accelerate(model, kick, model->disc.nodal.residual);
+  PetscCall(Accelerate(model, kick, model->disc.nodal.residual));
   FindSupports(model, kick);
   Displace(model, dynamics->v_new, model->disc.nodal.u);
   PetscCall(MpmStepFindLost(model, outcome));
@@ -490,7 +497,7 @@ static PetscErrorCode CatchUp(MpmModel model)
   dynamics = model->state.scheme.dynamics; /* a run that goes on at a stage's end has it from here on */
   if (!outcome.code) PetscCall(FindForces(model, &outcome));
   if (!outcome.code) {
-    Accelerate(model, behind, model->disc.nodal.residual);
+    PetscCall(Accelerate(model, behind, model->disc.nodal.residual));
     PetscCall(MpmExplicitPrescribeAt(model, model->state.time, dynamics->v_new));
     FindSupports(model, behind);
     Displace(model, dynamics->v_new, model->disc.nodal.u);

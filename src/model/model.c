@@ -20,6 +20,7 @@
 #include "scene/integrator_read.h"
 #include "scene/scene_read.h"
 #include "scene/stage_read.h"
+#include "scene/terrain_read.h"
 #include "integrators/dynamics.h"
 #include "integrators/integrators.h"
 #include "integrators/sdirk.h"
@@ -213,6 +214,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(MpmGradientDestroy(&model->gradient));
   PetscCall(MpmLaboratoryDestroy(&model->laboratory));
   PetscCall(MpmSolverDestroy(&model->solver));
+  PetscCall(MpmTerrainDestroy(model));
   PetscCall(MpmDiscretizationDestroy(&model->disc));
   PetscCall(MpmResultsDestroy(model));
   PetscCall(MpmCheckpointDestroy(&model->results->checkpoint));

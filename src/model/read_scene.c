@@ -25,6 +25,7 @@
 #include "scene/scene_read.h"
 #include "scene/stage_lists.h"
 #include "scene/stage_read.h"
+#include "scene/terrain_read.h"
 #include "step/energy.h"
 #include "step/moving_grid.h"
 #include "step/water_state.h"
@@ -166,6 +167,7 @@ static PetscErrorCode ReadOutput(MpmModel model, const MpmOptions *options)
   PetscCall(ReadPrefix(model, options, &block));
   PetscCall(MpmOptionsInt(&block, "every", "steps between written states; 0: none but the history and the summary", 0,
                           PETSC_INT_MAX, MPM_OPTIONAL, &model->results->states.every, NULL));
+  if (model->scene.deformation.bed && !model->results->states.every) model->results->states.every = PETSC_INT_MAX;
   PetscCall(MpmOptionsInt(&block, "history", "steps between rows of the history; the last step always has one", 1,
                           PETSC_INT_MAX, MPM_OPTIONAL, &model->results->history_every, NULL));
   PetscCall(MpmOptionsBool(&block, "signature",
@@ -233,9 +235,13 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
   PetscCall(ReadGrounds(model, options));
   model->solver.definite.symmetric = PETSC_TRUE;
   for (PetscInt m = 0; m < model->scene.materials->count; m++) {
-    PetscCall(MpmMaterialCreate(options, model->scene.materials->names[m],
-                                (PetscInt)model->scene.deformation.kinematics, model->scene.materials->grounds,
-                                &model->scene.materials->at[m]));
+    if (model->scene.deformation.bed)
+      PetscCall(MpmMaterialCreateColumn(options, model->scene.materials->names[m], model->scene.materials->grounds,
+                                        &model->scene.materials->at[m]));
+    else
+      PetscCall(MpmMaterialCreate(options, model->scene.materials->names[m],
+                                  (PetscInt)model->scene.deformation.kinematics, model->scene.materials->grounds,
+                                  &model->scene.materials->at[m]));
     PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, model->disc.dim, model->scene.materials->grounds,
                                      &model->scene.materials->at[m]));
     if (!(model->scene.materials->at[m].info.traits & MPM_LAW_SYMMETRIC))
@@ -254,6 +260,9 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
     PetscCall(MpmBodyCreate(options, model->disc.grid, model->scene.materials->count, model->scene.materials->at,
                             model->scene.bodies, b));
     PetscCall(MpmReadBodyFile(model, options, b));
+    if (model->scene.deformation.bed)
+      PetscCall(MpmBodyReadDepth(options, model->scene.bodies->names[b], model->scene.deformation.bed,
+                                 model->scene.shape.type, model->scene.shape.edge, model->scene.bodies->at[b]));
     MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
 
     material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies->at[b]));
@@ -454,12 +463,14 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
                 "-mpm_grid_lower: x starts at %g, with -mpm_kinematics axisymmetric it is the radius and must be >= 0",
                 (double)model->disc.grid->lower[0]);
   PetscCall(MpmDiscretizationSize(&model->disc));
+  PetscCall(MpmTerrainRead(model, options));
   PetscCall(CheckLattices(model->disc.grid, model->disc.layout));
   PetscCall(ReadMaterialsAndBodies(model, options));
   PetscCall(ReadConditions(model, options));
   PetscCall(MpmMovingGridRead(model, options));
   PetscCall(MpmStagesRead(model, options));
   PetscCall(CheckAxial(model));
+  PetscCall(MpmTerrainCheck(model));
   PetscCall(MpmDynamicsRead(model, options));
   PetscCall(MpmStabilizationSettle(model));
   PetscCall(ReadOutput(model, options));

@@ -64,6 +64,7 @@ PetscErrorCode MpmFieldsSetUp(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmPointsAddColumns(model, &states->fields));
   PetscCall(MpmStatesAddColumns(model, &states->fields));
+  PetscCall(MpmTerrainAddFields(model, &states->fields));
   for (PetscInt k = 0; k < added->count; k++) {
     PetscCheck(!MpmPointColumnsHave(&states->fields, added->at[k].name), model->comm, PETSC_ERR_ARG_OUTOFRANGE,
                "the results have a field %s of the scene's", added->at[k].name);

@@ -20,6 +20,7 @@ PetscBool      MpmPointColumnsHave(const MpmPointColumns *columns, const char na
    (state_fields.c). */
 PetscErrorCode MpmPointsAddColumns(MpmModel model, MpmPointColumns *columns);
 PetscErrorCode MpmStatesAddColumns(MpmModel model, MpmPointColumns *columns);
+PetscErrorCode MpmTerrainAddFields(MpmModel model, MpmPointColumns *columns); /* of columns on a bed */
 
 /* Fields made from others, written on request alone (derived_fields.c). */
 PetscErrorCode MpmDerivedAddColumns(MpmModel model, MpmPointColumns *columns);

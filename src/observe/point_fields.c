@@ -57,9 +57,11 @@ static PetscErrorCode FillVolume(MpmModel model, const MpmPointColumn *column, P
   for (PetscInt p = 0; p < points.count; p++) {
     const PetscReal *F = MpmPointF(&points, p);
 
-    values[p] = points.volume0[p] * (model->disc.layout->own.taken_up < 0
-                                       ? MpmPointJ(&points, p)
-                                       : MpmPointVolumeRatio(&model->scene.materials->at[points.material[p]], F));
+    values[p] = points.volume0[p];
+    if (model->scene.deformation.bed) continue; /* a column keeps its volume */
+    values[p] *=
+      (model->disc.layout->own.taken_up < 0 ? MpmPointJ(&points, p)
+                                            : MpmPointVolumeRatio(&model->scene.materials->at[points.material[p]], F));
   }
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);

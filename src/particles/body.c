@@ -202,6 +202,18 @@ PetscBool MpmBodyFileHasMass(MpmBody body)
   return (PetscBool)(body->imported && MpmImportedHasMass(body->imported));
 }
 
+PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, const MpmBed *bed, MpmShapeType shape,
+                                MpmEdgeType edge, MpmBody body)
+{
+  char             prefix[256];
+  const MpmOptions block = {options->comm, prefix, options->record};
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
+  PetscCall(MpmBodyDepthCreate(&block, bed, shape, edge, &body->depth));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body)
 {
   char             prefix[256];
@@ -254,6 +266,7 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body)
 {
   PetscFunctionBeginUser;
   if (!*body) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmBodyDepthDestroy(&(*body)->depth));
   PetscCall(PetscFree((*body)->name));
   PetscCall(MpmRegionDestroy(&(*body)->region));
   PetscCall(MpmImportedDestroy(&(*body)->imported));

@@ -37,6 +37,9 @@ PetscReal      MpmBodyPressure(const MpmBody body);
 */
 PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmShapeType shape, MpmBody body,
                                    const char **given, const char **file, PetscBool *run);
+/* Depths of its columns on a bed (body_depth.h). To be called before the points are made. */
+PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, const MpmBed *bed, MpmShapeType shape,
+                                MpmEdgeType edge, MpmBody body);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],

@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "particles/body.h"
+#include "particles/body_depth.h"
 #include "particles/body_initial.h"
 
 struct _p_MpmBody {
@@ -42,7 +43,8 @@ struct _p_MpmBody {
     PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
   } cells;
   MpmBodyLattice lattice;
-  PetscBool      cut; /* points have what the region has of their domains, and of those without a point beside them */
+  MpmBodyDepth   depth; /* of its columns; NULL: they are none */
+  PetscBool      cut;   /* points have what the region has of their domains, and of those without a point beside them */
   struct {
     PetscBool priority; /* replaces others that it overlaps */
     PetscInt  before_count, winner_count;

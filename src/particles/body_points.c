@@ -46,6 +46,7 @@ static void FillPoint(const MpmBody body, const MpmGrid *grid, const PetscInt at
   MpmBodyHalfLengths(body, grid, half);
   for (PetscInt a = 0; a < dim; a++) volume *= grid->h[a] / (PetscReal)body->cells.per_cell[a];
   if (body->cut) volume = MpmBodyCutBox(body, grid, at, x);
+  if (body->depth) volume *= MpmBodyDepthAt(body->depth, grid, x, half);
   points->material[p] = body->material;
   points->volume0[p]  = volume * MpmTurn(points->F_size, x[0]);
   for (PetscInt a = 0; a < dim; a++) {
@@ -65,13 +66,14 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
 {
   PetscInt64 cells    = 1, begin, end;
   PetscInt   per_cell = 1, count = 0, extent[MPM_MAX_DIM];
-  PetscReal  x[MPM_MAX_DIM] = {0., 0., 0.};
+  PetscReal  x[MPM_MAX_DIM] = {0., 0., 0.}, half[MPM_MAX_DIM];
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     extent[a] = body->cells.upper[a] - body->cells.lower[a];
     cells *= extent[a];
     per_cell *= body->cells.per_cell[a];
   }
+  MpmBodyHalfLengths(body, grid, half);
   begin = cells * grid->rank / grid->size;
   end   = cells * (grid->rank + 1) / grid->size;
   for (PetscInt64 k = begin; k < end; k++) {
@@ -87,6 +89,7 @@ static PetscInt FillCells(const MpmBody body, const MpmGrid *grid, PetscInt64 id
       if ((!MpmBodyOwns(body, x) || MpmBodyIsTaken(body, grid, x)) &&
           !(body->cut && MpmBodyIsLeftOver(body, grid, at, x)))
         continue;
+      if (body->depth && !(MpmBodyDepthAt(body->depth, grid, x, half) > 0.)) continue;
       if (points) FillPoint(body, grid, at, first + count, points);
       if (points) points->id[first + count] = (PetscInt)(id + count);
       count++;
@@ -109,9 +112,12 @@ static void FillCuts(const MpmBody body, PetscInt dim, PetscInt first, PetscInt 
 }
 
 /* Points of bodies on a lattice start without stress, with the history that the scene gives. */
-static void FillAtRest(const MpmBody body, const MpmMaterial materials[], const MpmParticles *particles, PetscInt first,
-                       PetscInt end, MpmPoints *points)
+static void FillAtRest(const MpmBody body, const MpmGrid *grid, const MpmMaterial materials[],
+                       const MpmParticles *particles, PetscInt first, PetscInt end, MpmPoints *points)
 {
+  PetscReal half[MPM_MAX_DIM];
+
+  MpmBodyHalfLengths(body, grid, half);
   for (PetscInt p = first; p < end; p++) {
     const MpmMaterial *material = &materials[points->material[p]];
 
@@ -120,6 +126,7 @@ static void FillAtRest(const MpmBody body, const MpmMaterial materials[], const 
 
       MpmMaterialStateAtRest(material, particles->dim, state);
       MpmBodyInitialFill(body->initial, particles->dim, Height(body, &points->x[p * particles->dim]), state);
+      if (body->depth) state[0] = MpmBodyDepthAt(body->depth, grid, &points->x[p * grid->dim], half);
     }
     if (points->mass)
       points->mass[p] = points->volume0[p] * MpmMaterialDensity(material, MpmPointOwn(points, material, p));
@@ -137,7 +144,7 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
     *first += FillCells(body, grid, id, begin, points);
     FillCuts(body, grid->dim, begin, *first, points);
     MpmPointsSetOwn(materials, vertical, grid->dim, begin, *first, points);
-    FillAtRest(body, materials, particles, begin, *first, points);
+    FillAtRest(body, grid, materials, particles, begin, *first, points);
     if (body->start.stress)
       PetscCall(MpmBodyStressFill(&materials[body->material], grid->dim, body->start.stress, particles->state_size,
                                   (const PetscInt[]){begin, *first}, points, &body->start.wrong));

@@ -3,6 +3,7 @@
 */
 #include "options/options.h"
 #include "ground/ground.h"
+#include "point/basal_laws.h"
 #include "point/material.h"
 #include "point/variation.h"
 #include "point/wave_speed.h"
@@ -295,14 +296,14 @@ static PetscErrorCode ReadParameter(const MpmOptions *block, PetscInt dim, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt kinematics,
-                                 const MpmGrounds *grounds, MpmMaterial *material)
+/* A material whose law is one of these names, which are freed. */
+static PetscErrorCode Create(const MpmOptions *options, const char *name, PetscInt kinematics, const char **names,
+                             const MpmGrounds *grounds, MpmMaterial *material)
 {
   const PetscInt dim = MpmKinematicsDim((int)kinematics);
   char           prefix[256];
   MpmOptions     block = {options->comm, prefix, options->record};
-  const char   **names;
-  PetscInt       type = 0;
+  PetscInt       type  = 0;
   PetscBool      given;
 
   PetscFunctionBeginUser;
@@ -311,7 +312,6 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_material_%s_", name));
   PetscCall(PetscStrallocpy(name, &material->name));
   PetscCall(MpmOptionsHeading(&block, "Material"));
-  PetscCall(MpmLawNames(&names));
   PetscCall(MpmOptionsWord(&block, "type", "constitutive law", names, MPM_REQUIRED, &type, &given));
   PetscCheck(MpmLawFindAll(names[type], kinematics, material->law, &material->info), options->comm, PETSC_ERR_PLIB,
              "law %s is not compiled", names[type]);
@@ -338,6 +338,29 @@ PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, Pe
   if (material->moduli.penalty == 0.) material->moduli.penalty = material->moduli.stiffness;
   for (size_t i = 0; i < material->info.state_count; i++)
     material->state_size += MpmStateComponents(&material->info.states[i], dim);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt kinematics,
+                                 const MpmGrounds *grounds, MpmMaterial *material)
+{
+  const char **names;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmLawNames(&names));
+  PetscCall(Create(options, name, kinematics, names, grounds, material));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMaterialCreateColumn(const MpmOptions *options, const char *name, const MpmGrounds *grounds,
+                                       MpmMaterial *material)
+{
+  const char **names;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmBasalNames(&names));
+  PetscCall(Create(options, name, MPM_PLANE_STRAIN, names, grounds, material));
+  material->basal = MpmBasalFind(material->info.name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

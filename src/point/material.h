@@ -15,16 +15,17 @@
   particles/point_mass.h). Functions with an argument `own` take that row, or NULL: the material's values.
 */
 typedef struct MpmMaterial {
-  char        *name;
-  MpmLawInfo   info;
-  double      *parameter;         /* in force; strengths may be reduced */
-  double      *given;             /* as the scene has them */
-  int         *set;               /* given by the scene */
-  double      *physics_parameter; /* parameters of the physics, of this material and of the whole scene */
-  MpmLawTable *table;             /* by parameter */
-  MpmFunction  law[MPM_FORM_COUNT];
-  MpmDilatancy dilatancy; /* of the law, where F-bar leaves dilation to the points; or NULL */
-  PetscReal    density;
+  char              *name;
+  MpmLawInfo         info;
+  double            *parameter;         /* in force; strengths may be reduced */
+  double            *given;             /* as the scene has them */
+  int               *set;               /* given by the scene */
+  double            *physics_parameter; /* parameters of the physics, of this material and of the whole scene */
+  MpmLawTable       *table;             /* by parameter */
+  MpmFunction        law[MPM_FORM_COUNT];
+  const MpmBasalLaw *basal;     /* of the bed, in depth-averaged flow; or NULL */
+  MpmDilatancy       dilatancy; /* of the law, where F-bar leaves dilation to the points; or NULL */
+  PetscReal          density;
   struct {
     PetscReal least, most; /* of the dilation angle and the residual one, degrees; 0 where the law has none */
   } dilation;
@@ -47,7 +48,9 @@ typedef struct MpmMaterials {
   MpmGrounds  *grounds; /* fields of numbers of theirs; NULL: none */
 } MpmMaterials;
 
-/* `kinematics`: an MpmKinematics; `grounds`: the scene's fields, or NULL. */
+/* `kinematics`: an MpmKinematics; `grounds`: the scene's fields, or NULL. Column: its law is one of a bed. */
+PetscErrorCode MpmMaterialCreateColumn(const MpmOptions *options, const char *name, const MpmGrounds *grounds,
+                                       MpmMaterial *material);
 PetscErrorCode MpmMaterialCreate(const MpmOptions *options, const char *name, PetscInt kinematics,
                                  const MpmGrounds *grounds, MpmMaterial *material);
 /* The parameters of the physics, which stand in the material's block too, and behind them those of the whole scene. */

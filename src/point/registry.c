@@ -8,6 +8,7 @@
 #include <dlfcn.h>
 #include "talus/plugin.h"
 #include "options/options.h"
+#include "point/basal_laws.h"
 #include "point/parameter.h"
 #include "point/registry.h"
 
@@ -226,6 +227,20 @@ static const MpmLawInstance *NextLaw(PetscInt *k)
   return NULL;
 }
 
+/* A law of the bed: the column's, with the parameters of that. */
+static PetscBool FindBasal(const char *name, PetscInt kinematics, MpmForm form, MpmLawInfo *info)
+{
+  const MpmBasalLaw *basal = MpmBasalFind(name);
+
+  if (!basal || !MpmLawFind("column_law", kinematics, form, info)) return PETSC_FALSE;
+  info->name            = basal->name;
+  info->summary         = basal->summary;
+  info->parameters      = basal->parameters;
+  info->parameter_count = basal->parameter_count;
+  info->check           = basal->check;
+  return PETSC_TRUE;
+}
+
 PetscBool MpmLawFind(const char *name, PetscInt kinematics, MpmForm form, MpmLawInfo *info)
 {
   const MpmLawInstance *law;
@@ -236,7 +251,7 @@ PetscBool MpmLawFind(const char *name, PetscInt kinematics, MpmForm form, MpmLaw
       return PETSC_TRUE;
     }
   }
-  return PETSC_FALSE;
+  return FindBasal(name, kinematics, form, info);
 }
 
 PetscBool MpmLawFindAll(const char *name, PetscInt kinematics, MpmFunction law[], MpmLawInfo *info)
@@ -300,5 +315,6 @@ PetscErrorCode MpmLawPrintHelp(const MpmOptions *block)
       PetscCall(PetscFree(text));
     }
   }
+  PetscCall(MpmBasalPrintHelp(block));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

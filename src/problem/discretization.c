@@ -11,6 +11,7 @@
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
 #include "points/point_terms.h"
+#include "terrain/bed_flow.h"
 #include "volume/added_term.h"
 #include "volume/damping.h"
 #include "volume/inertia.h"
@@ -77,6 +78,10 @@ PetscErrorCode MpmDiscretizationSetUp(MpmDiscretization *disc, const MpmMaterial
   if (disc->context.inertia->dynamic || disc->context.inertia->settles)
     PetscCall(MpmTermsAdd(&disc->terms, &MpmTermInertia, disc->context.inertia));
   if (disc->context.inertia->dynamic) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermDamping, disc->context.damping));
+  if (disc->context.bed) {
+    disc->context.bed->materials = materials->count;
+    PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBed, disc->context.bed));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -20,6 +20,7 @@ typedef struct {
   MpmSurfaceFaces *surfaces; /* of bodies */
   MpmInertia      *inertia;
   MpmDamping      *damping;
+  MpmBedFlow      *bed; /* of columns; NULL: they are none */
 } MpmTermContexts;
 
 /*

@@ -142,6 +142,7 @@ typedef struct {
 typedef struct {
   MpmKinematics kinematics;
   MpmStretch    stretch;
+  MpmBed       *bed; /* of columns; NULL: they are none */
 } MpmDeformation;
 
 /* Shape functions, and their ends at the grid's edges. */

@@ -18,10 +18,10 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ROOT, Test  # noqa: E402
 
-LAYERS = ("base", "options", "io", "geometry", "ground", "point", "grid", "particles", "space", "extension", "transfer", "bc", "assembly", "points", "volume", "rigid",
+LAYERS = ("base", "options", "io", "geometry", "ground", "point", "grid", "particles", "space", "extension", "transfer", "bc", "assembly", "points", "terrain", "volume", "rigid",
           "facets", "contact", "pairs", "loads", "problem", "precondition", "solve", "query", "scene", "step", "integrators", "schedule", "observe", "sensitivity", "laboratory", "checkpoint", "model", "inverse", "run")
 KERNELS = ("materials", "physics")
-ENGINE_KERNELS = ("src/point/k0_law.c", "src/point/stretch.c")  # compiled like a law, once for each number of directions
+ENGINE_KERNELS = ("src/point/k0_law.c", "src/point/column_law.c", "src/point/stretch.c")  # compiled like a law, once for each number of directions
 GENERATED = re.compile(r"mpm_\w+\.h")
 FUNCTION_LINES, FUNCTION_ARGUMENTS, STRUCT_MEMBERS, FILE_LINES, FOLDER_LINES = 60, 7, 20, 600, 4000
 NEAR, NEAR_COUNT = 0.9, 3  # of a kind, so many at most have more than this share of their bound

@@ -1,0 +1,65 @@
+/*
+  Scenes of depth-averaged flow.
+*/
+#include "talus/basal.h"
+#include "options/options.h"
+#include "grid/grid.h"
+#include "loads/load.h"
+#include "terrain/bed_flow.h"
+#include "query/model.h"
+#include "scene/terrain_read.h"
+
+PetscErrorCode MpmTerrainRead(MpmModel model, const MpmOptions *options)
+{
+  const MpmScene *scene = &model->scene;
+  MpmBed         *bed;
+
+  PetscFunctionBeginUser;
+  if (!(scene->physics.traits & MPM_PHYSICS_COLUMNS) && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscNew(&bed));
+  PetscCall(MpmBedRead(options, bed));
+  if (MpmOptionsHelp() && !(scene->physics.traits & MPM_PHYSICS_COLUMNS)) {
+    PetscCall(MpmBedDestroy(bed));
+    PetscCall(PetscFree(bed));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  model->scene.deformation.bed = bed;
+  PetscCall(PetscNew(&model->disc.context.bed));
+  model->disc.context.bed->bed = bed;
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(scene->deformation.kinematics == MPM_PLANE_STRAIN,
+                "-mpm_physics %s: -mpm_dim must be 2, without axial symmetry: x and y are horizontal",
+                scene->physics.name);
+  PetscCall(MpmBedCover(bed, model->disc.grid->lower, model->disc.grid->upper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTerrainCheck(const MpmModel model)
+{
+  const MpmScene *scene = &model->scene;
+
+  PetscFunctionBeginUser;
+  if (!scene->deformation.bed || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < scene->stages.count; k++) {
+    const MpmStage *stage = &scene->stages.at[k];
+
+    MpmCheckInput(stage->time.motion.type == MPM_EXPLICIT && !stage->relaxation.on &&
+                    stage->geostatic.method == MPM_GEOSTATIC_NONE,
+                  "-mpm_physics %s: -mpm_time_integrator must be explicit in all stages", scene->physics.name);
+  }
+  for (PetscInt l = 0; l < scene->loads->count; l++)
+    MpmCheckInput(scene->loads->at[l].type != MPM_LOAD_GRAVITY,
+                  "-mpm_load_%s_type gravity: weight is there already, by the materials' gravity",
+                  scene->loads->at[l].name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTerrainDestroy(MpmModel model)
+{
+  PetscFunctionBeginUser;
+  if (!model->scene.deformation.bed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmBedFlowDestroy(&model->disc.context.bed));
+  PetscCall(MpmBedDestroy(model->scene.deformation.bed));
+  PetscCall(PetscFree(model->scene.deformation.bed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,229 @@
+/*
+  Forces of depth and slope at the nodes.
+*/
+#include "talus/basal.h"
+#include "point/material.h"
+#include "grid/grid.h"
+#include "particles/point_mass.h"
+#include "particles/points.h"
+#include "space/basis.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "terrain/bed_flow.h"
+
+#define FAILS 0.25 /* of the weights of a point's nodes: a front on a slope leaves that many without balance */
+
+PetscReal MpmBedGravity(const MpmSum *sum, PetscInt point)
+{
+  return sum->materials[sum->points->material[point]].parameter[MPM_BASAL_GRAVITY];
+}
+
+PetscErrorCode MpmBedFlowDestroy(MpmBedFlow **flow)
+{
+  PetscFunctionBeginUser;
+  if (!*flow) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree((*flow)->point));
+  PetscCall(PetscFree7((*flow)->height, (*flow)->sums, (*flow)->shares, (*flow)->level, (*flow)->steep, (*flow)->failed,
+                       (*flow)->force));
+  PetscCall(PetscFree(*flow));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Room for a step's points and nodes; sums are 0. */
+static PetscErrorCode Resize(const MpmSum *sum, MpmBedFlow *flow)
+{
+  const PetscInt nodes = sum->space->local, shares = flow->materials * MPM_BED_SHARES;
+
+  PetscFunctionBeginUser;
+  if (sum->points->count > flow->point_room) {
+    flow->point_room = sum->points->count + sum->points->count / 8;
+    PetscCall(PetscFree(flow->point));
+    PetscCall(PetscMalloc1(flow->point_room, &flow->point));
+  }
+  if (nodes > flow->node_room) {
+    flow->node_room = nodes + nodes / 8;
+    PetscCall(PetscFree7(flow->height, flow->sums, flow->shares, flow->level, flow->steep, flow->failed, flow->force));
+    PetscCall(PetscMalloc7(flow->node_room, &flow->height, (flow->node_room * MPM_BED_SUMS), &flow->sums,
+                           (flow->node_room * shares), &flow->shares, (flow->node_room * MPM_LEVEL_COUNT), &flow->level,
+                           (flow->node_room * MPM_STEEP_COUNT), &flow->steep, flow->node_room, &flow->failed,
+                           (flow->node_room * sum->block), &flow->force));
+  }
+  PetscCall(PetscArrayzero(flow->sums, nodes * MPM_BED_SUMS));
+  PetscCall(PetscArrayzero(flow->shares, nodes * shares));
+  PetscCall(PetscArrayzero(flow->steep, nodes * MPM_STEEP_COUNT));
+  PetscCall(PetscArrayzero(flow->failed, nodes));
+  PetscCall(PetscArrayzero(flow->force, nodes * sum->block));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The bed at the local nodes. */
+static void FindHeights(const MpmSum *sum, MpmBedFlow *flow)
+{
+  for (PetscInt i = 0; i < sum->space->local; i++) {
+    PetscReal x[MPM_MAX_DIM];
+
+    MpmGridNodeAtStart(sum->grid, &sum->space->node[i * 2], x);
+    flow->height[i] = MpmBedHeight(flow->bed, x);
+  }
+}
+
+/* Area of a point's domain, m2: of thin points at a front, whose bases grow on, less than the volume over the depth. */
+static PetscReal Covered(const MpmSum *sum, PetscInt p, PetscReal area)
+{
+  const PetscReal *half = sum->space->shapes.half;
+
+  return half ? PetscMin(area, 4. * half[p * 2] * half[p * 2 + 1] * sum->cell[0] * sum->cell[1]) : area;
+}
+
+/* A point and its bed; its part of the sums at its nodes. */
+static void AddPoint(const MpmSum *sum, const MpmGroup *group, PetscInt p, const MpmBasis *basis, MpmBedFlow *flow)
+{
+  const MpmPoints *points = sum->points;
+  const PetscInt   n = group->node_count, material = points->material[p];
+  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
+  const PetscReal  volume = points->volume0[p], depth = points->state[p * sum->kept.state];
+  const PetscReal  mass = MpmPointMass(points, sum->materials, p);
+  MpmOnBed        *at   = &flow->point[p];
+  PetscReal        numbers[MPM_BED_SUMS], covered;
+
+  *at     = (MpmOnBed){.area = volume / depth, .depth = depth};
+  covered = Covered(sum, p, at->area);
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscReal Z = flow->height[nodes[i]];
+
+    at->bed += MpmBasisAt(basis, 0, i) * Z;
+    at->slope[0] += MpmBasisAt(basis, 1, i) * Z;
+    at->slope[1] += MpmBasisAt(basis, 2, i) * Z;
+  }
+  numbers[MPM_BED_VOLUME]    = volume;
+  numbers[MPM_BED_HALF]      = volume * 0.5 * PetscSqrtReal(covered);
+  numbers[MPM_BED_AREA]      = covered;
+  numbers[MPM_BED_MASS]      = mass;
+  numbers[MPM_BED_SLOPE]     = mass * at->slope[0];
+  numbers[MPM_BED_SLOPE + 1] = mass * at->slope[1];
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscReal w = MpmBasisAt(basis, 0, i), bed = at->bed - flow->height[nodes[i]];
+    PetscReal      *sums  = &flow->sums[nodes[i] * MPM_BED_SUMS];
+    PetscReal      *share = &flow->shares[(nodes[i] * flow->materials + material) * MPM_BED_SHARES];
+
+    numbers[MPM_BED_HEIGHT]  = volume * bed;
+    numbers[MPM_BED_SURFACE] = volume * (depth + bed);
+    for (PetscInt k = 0; k < MPM_BED_SUMS; k++) sums[k] += w * numbers[k];
+    share[MPM_BED_SHARE] += w * mass;
+    share[MPM_BED_OVER_DEPTH] += w * mass / depth;
+  }
+}
+
+/* A point's part of the slopes at its nodes. */
+static void AddSlopes(const MpmSum *sum, const MpmGroup *group, PetscInt p, const MpmBasis *basis, MpmBedFlow *flow)
+{
+  const PetscInt *nodes  = &sum->space->group_nodes[group->node_offset];
+  const MpmOnBed *at     = &flow->point[p];
+  const PetscReal volume = at->area * at->depth, level = at->depth + at->bed;
+  PetscReal       slope[2] = {0., 0.};
+
+  for (PetscInt i = 0; i < group->node_count; i++)
+    for (PetscInt a = 0; a < 2; a++)
+      slope[a] += MpmBasisAt(basis, 1 + a, i) * (flow->level[nodes[i] * MPM_LEVEL_COUNT + MPM_LEVEL] - level);
+  for (PetscInt i = 0; i < group->node_count; i++) {
+    PetscReal *steep = &flow->steep[nodes[i] * MPM_STEEP_COUNT];
+
+    for (PetscInt a = 0; a < 2; a++) {
+      steep[MPM_STEEP_SURFACE] += MpmBasisAt(basis, 0, i) * volume * slope[a] * slope[a];
+      steep[MPM_STEEP_BED] += MpmBasisAt(basis, 0, i) * volume * at->slope[a] * at->slope[a];
+    }
+  }
+}
+
+/* Where the balance fails at a share of a point's nodes, it fails at all of them: the point's part of that. */
+static void AddFailures(const MpmSum *sum, const MpmGroup *group, PetscInt p, const MpmBasis *basis, MpmBedFlow *flow)
+{
+  const PetscInt *nodes  = &sum->space->group_nodes[group->node_offset];
+  const PetscReal volume = flow->point[p].area * flow->point[p].depth;
+  PetscReal       fails  = 0.;
+
+  for (PetscInt i = 0; i < group->node_count; i++)
+    fails += MpmBasisAt(basis, 0, i) * (1. - flow->level[nodes[i] * MPM_LEVEL_COUNT + MPM_LEVEL_PART]);
+  for (PetscInt i = 0; i < group->node_count; i++)
+    flow->failed[nodes[i]] += MpmBasisAt(basis, 0, i) * volume * PetscMin(fails / FAILS, 1.);
+}
+
+/* A point's forces on its nodes. */
+static void AddForce(const MpmSum *sum, const MpmGroup *group, PetscInt p, const MpmBasis *basis, MpmBedFlow *flow)
+{
+  const MpmOnBed *at     = &flow->point[p];
+  const PetscInt *nodes  = &sum->space->group_nodes[group->node_offset];
+  const PetscReal weight = MpmPointMass(sum->points, sum->materials, p) * MpmBedGravity(sum, p); /* rho g V */
+  const PetscReal c = MpmBedCosine2(flow->bed, at->slope), on_area = weight / at->depth;
+  const PetscReal steep = at->slope[0] * at->slope[0] + at->slope[1] * at->slope[1];
+
+  for (PetscInt i = 0; i < group->node_count; i++) {
+    const PetscReal *level = &flow->level[nodes[i] * MPM_LEVEL_COUNT];
+    const PetscReal  w = MpmBasisAt(basis, 0, i), gradient[2] = {MpmBasisAt(basis, 1, i), MpmBasisAt(basis, 2, i)};
+    const PetscReal  d = level[MPM_LEVEL] - at->bed, D = level[MPM_LEVEL] - level[MPM_LEVEL_BED];
+    const PetscReal  along    = gradient[0] * at->slope[0] + gradient[1] * at->slope[1];
+    const PetscReal  tilt     = steep > 0. ? level[MPM_LEVEL_TILT] * (1. - c) * along / steep : 0.;
+    const PetscReal  rest     = level[MPM_LEVEL_PART] * on_area;
+    const PetscReal  pressure = 0.5 * c * weight * at->depth;
+    const PetscReal  still    = 0.5 * rest * (c * d * d - level[MPM_LEVEL_WET] * D * D),
+                    slope     = c * w * (rest * d - weight);
+    PetscReal *force          = &flow->force[nodes[i] * sum->block];
+
+    for (PetscInt a = 0; a < 2; a++)
+      force[a] += pressure * (gradient[a] - tilt * at->slope[a]) - still * gradient[a] + slope * at->slope[a];
+  }
+}
+
+/* A pass over the points, and the sums at the nodes of all ranks: `count` numbers a node. */
+typedef void (*Visit)(const MpmSum *sum, const MpmGroup *group, PetscInt p, const MpmBasis *basis, MpmBedFlow *flow);
+
+static PetscErrorCode Pass(const MpmSum *sum, Visit visit, MpmBasis *basis, PetscInt count, PetscReal sums[],
+                           MpmBedFlow *flow)
+{
+  const MpmSpace *space = sum->space;
+
+  PetscFunctionBeginUser;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
+      MpmSpaceEvaluate(space, &space->groups[g], space->order[s], basis);
+      visit(sum, &space->groups[g], space->order[s], basis, flow);
+    }
+  }
+  PetscCall(MpmSpaceAddToOwners(space, count, sums));
+  PetscCall(MpmSpaceToGhosts(space, count, sums));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Push(void *ctx, const MpmSum *sum, PetscReal force[])
+{
+  MpmBedFlow    *flow   = ctx;
+  const PetscInt shares = flow->materials * MPM_BED_SHARES;
+  MpmBasis       basis;
+
+  PetscFunctionBeginUser;
+  PetscCall(Resize(sum, flow));
+  FindHeights(sum, flow);
+  PetscCall(MpmBasisCreate(sum->space, &basis));
+  PetscCall(Pass(sum, AddPoint, &basis, MPM_BED_SUMS, flow->sums, flow));
+  PetscCall(MpmSpaceAddToOwners(sum->space, shares, flow->shares));
+  PetscCall(MpmSpaceToGhosts(sum->space, shares, flow->shares));
+  MpmBedFindMeans(sum, flow);
+  PetscCall(Pass(sum, AddSlopes, &basis, MPM_STEEP_COUNT, flow->steep, flow));
+  MpmBedFindLevels(sum, flow);
+  PetscCall(Pass(sum, AddFailures, &basis, 1, flow->failed, flow));
+  for (PetscInt i = 0; i < sum->space->local; i++)
+    flow->level[i * MPM_LEVEL_COUNT + MPM_LEVEL_PART] *=
+      PetscMax(1. - flow->failed[i] / (FAILS * flow->sums[i * MPM_BED_SUMS + MPM_BED_VOLUME]), 0.);
+  PetscCall(Pass(sum, AddForce, &basis, sum->block, flow->force, flow));
+  for (PetscInt k = 0; k < sum->space->local * sum->block; k++) force[k] += flow->force[k];
+  PetscCall(MpmBasisDestroy(&basis));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Idle(const void *ctx)
+{
+  (void)ctx;
+  return PETSC_TRUE;
+}
+
+const MpmTerm MpmTermBed = {.name = "bed", .idle = Idle, .motion = {.push = Push, .resist = MpmBedResist}};

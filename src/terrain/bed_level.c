@@ -1,0 +1,147 @@
+/*
+  The level of the points about a node, and how far they fill what it would wet.
+*/
+#include "grid/grid.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "terrain/bed_flow.h"
+
+#define HALF 8 /* places in a cell, an axis, that tell how much of it a level wets */
+/* Filled parts of what a level would wet between which its balance begins to count. Measured: between 0.85 and 0.95 a dam
+   that breaks keeps its front, and a lake whose points fill nine tenths of it rests. */
+#define BALANCE_FROM  0.85
+#define BALANCE_WHOLE 0.95
+/* The wet part of a support between which it begins to count as all of it. */
+#define WHOLE_FROM 0.96
+/* Slope of the surface over that of the bed, about a node: up to which the balance counts wholly, and from which it
+   counts no more; and between which the tilt of pressure along a slope begins. A flow of even depth has 1, a lake 0. */
+#define EVEN       0.1
+#define EVEN_BELOW 0.3
+#define TILT_FROM  0.02
+#define TILT_WHOLE 0.05
+
+/* The bed at a node and its neighbours, z[1 + dx][1 + dy]; beyond the grid that of the edge. */
+static void Around(const MpmGrid *grid, const MpmBed *bed, const PetscInt node[], PetscReal z[3][3])
+{
+  for (PetscInt i = -1; i <= 1; i++) {
+    for (PetscInt j = -1; j <= 1; j++) {
+      const PetscInt at[MPM_MAX_DIM] = {PetscClipInterval(node[0] + i, 0, grid->nodes[0] - 1),
+                                        PetscClipInterval(node[1] + j, 0, grid->nodes[1] - 1), 0};
+      PetscReal      x[MPM_MAX_DIM];
+
+      MpmGridNodeAtStart(grid, at, x);
+      z[1 + i][1 + j] = MpmBedHeight(bed, x);
+    }
+  }
+}
+
+/* The lowest and the highest of four heights. */
+static void Range(const PetscReal z[4], PetscReal *lowest, PetscReal *highest)
+{
+  *lowest = *highest = z[0];
+  for (PetscInt k = 1; k < 4; k++) {
+    *lowest  = PetscMin(*lowest, z[k]);
+    *highest = PetscMax(*highest, z[k]);
+  }
+}
+
+/*
+  Share of a linear support in one of its four cells that lies below a level; z of the node, beside it on either axis, and
+  across. Continuous in the level: about each of the places the bed rises by its rise in the cell over their number.
+*/
+static PetscReal WetCell(const PetscReal z[4], PetscReal level)
+{
+  PetscReal lowest, highest, wet = 0., all = 0., rise;
+
+  Range(z, &lowest, &highest);
+  rise = (highest - lowest) / (PetscReal)HALF;
+  if (level >= highest + rise) return 1.;
+  if (level <= lowest - rise) return 0.;
+  for (PetscInt k = 0; k < HALF * HALF; k++) {
+    const PetscReal p      = ((PetscReal)(k % HALF) + 0.5) / (PetscReal)HALF;
+    const PetscReal q      = ((PetscReal)(k / HALF) + 0.5) / (PetscReal)HALF;
+    const PetscReal height = (1. - q) * ((1. - p) * z[0] + p * z[1]) + q * ((1. - p) * z[2] + p * z[3]);
+
+    all += (1. - p) * (1. - q);
+    wet += (1. - p) * (1. - q) * PetscClipInterval(0.5 + (level - height) / rise, 0., 1.);
+  }
+  return wet / all;
+}
+
+/* Share of a node's linear support in the grid that lies below a level, of the bed that is bilinear between nodes. */
+static PetscReal WetPart(const MpmGrid *grid, const PetscInt node[], PetscReal z[3][3], PetscReal level)
+{
+  PetscReal wet = 0., count = 0.;
+
+  for (PetscInt k = 0; k < 4; k++) {
+    const PetscInt  a = 2 * (k % 2), b = 2 * (k / 2);
+    const PetscReal cell[4] = {z[1][1], z[a][1], z[1][b], z[a][b]};
+
+    if (node[0] + a - 1 < 0 || node[0] + a - 1 >= grid->nodes[0]) continue;
+    if (node[1] + b - 1 < 0 || node[1] + b - 1 >= grid->nodes[1]) continue;
+    wet += WetCell(cell, level);
+    count += 1.;
+  }
+  return wet / count;
+}
+
+/* Area of a node's linear support in the grid, weighted, m2. */
+static PetscReal Area(const MpmGrid *grid, const PetscInt node[])
+{
+  PetscReal area = 1.;
+
+  for (PetscInt a = 0; a < 2; a++) area *= (node[a] == 0 || node[a] == grid->nodes[a] - 1 ? 0.5 : 1.) * grid->h[a];
+  return area;
+}
+
+/* From 0 at one end to 1 at the other. */
+static PetscReal Blend(PetscReal value, PetscReal from, PetscReal to)
+{
+  return PetscClipInterval((value - from) / (to - from), 0., 1.);
+}
+
+/*
+  phi_i: how far points fill what the level would wet. Points of a lake have whole domains about centres beneath the
+  level: at a shore they may leave as much of it as lies by half a point's width below the level.
+*/
+static PetscReal Balance(const MpmGrid *grid, const PetscInt node[], PetscReal z[3][3], PetscReal level,
+                         const PetscReal sums[], const PetscReal slope[])
+{
+  const PetscReal half = sums[MPM_BED_HALF] / sums[MPM_BED_VOLUME];
+  const PetscReal wet  = WetPart(grid, node, z, level - half * (PetscAbsReal(slope[0]) + PetscAbsReal(slope[1])));
+
+  return wet > 0. ? Blend(sums[MPM_BED_AREA] / (Area(grid, node) * wet), BALANCE_FROM, BALANCE_WHOLE) : 1.;
+}
+
+void MpmBedFindMeans(const MpmSum *sum, MpmBedFlow *flow)
+{
+  for (PetscInt i = 0; i < sum->space->local; i++) {
+    const PetscReal *sums  = &flow->sums[i * MPM_BED_SUMS];
+    PetscReal       *level = &flow->level[i * MPM_LEVEL_COUNT];
+
+    for (PetscInt k = 0; k < MPM_LEVEL_COUNT; k++) level[k] = 0.;
+    if (!(sums[MPM_BED_VOLUME] > 0.)) continue;
+    level[MPM_LEVEL]     = flow->height[i] + sums[MPM_BED_SURFACE] / sums[MPM_BED_VOLUME];
+    level[MPM_LEVEL_BED] = flow->height[i] + sums[MPM_BED_HEIGHT] / sums[MPM_BED_VOLUME];
+  }
+}
+
+void MpmBedFindLevels(const MpmSum *sum, MpmBedFlow *flow)
+{
+  for (PetscInt i = 0; i < sum->space->local; i++) {
+    const PetscReal *sums = &flow->sums[i * MPM_BED_SUMS], *steep = &flow->steep[i * MPM_STEEP_COUNT];
+    const PetscInt  *node  = &sum->space->node[i * 2];
+    PetscReal       *level = &flow->level[i * MPM_LEVEL_COUNT], z[3][3], slope[2], uneven;
+
+    if (!(sums[MPM_BED_VOLUME] > 0.)) continue;
+    uneven = steep[MPM_STEEP_BED] > 0. ? PetscSqrtReal(steep[MPM_STEEP_SURFACE] / steep[MPM_STEEP_BED]) : 0.;
+    if (flow->bed->normal) level[MPM_LEVEL_TILT] = Blend(uneven, TILT_FROM, TILT_WHOLE);
+    if (uneven >= EVEN_BELOW) continue;
+    for (PetscInt a = 0; a < 2; a++) slope[a] = sums[MPM_BED_SLOPE + a] / sums[MPM_BED_MASS];
+    Around(sum->grid, flow->bed, node, z);
+    level[MPM_LEVEL_PART] =
+      Balance(sum->grid, node, z, level[MPM_LEVEL], sums, slope) * Blend(uneven, EVEN_BELOW, EVEN);
+    level[MPM_LEVEL_WET] =
+      Blend(WetPart(sum->grid, node, z, level[MPM_LEVEL]), WHOLE_FROM, 1.) * MpmBedCosine2(flow->bed, slope);
+  }
+}

@@ -1,0 +1,101 @@
+/*
+  Resistance of the bed at the nodes, implicit: after the velocity increment of a step over the time k a node has the
+  speed u that solves
+
+    m (u - u*) + k F(u) = 0 ,   F = sum of m_k tau_k(q u)/(rho_k h_k) times q' over its materials k ,
+
+  u* the speed without resistance, and 0 where k F(0) >= m u*: what the bed can hold is at rest to the last digit. q is
+  the speed along the bed over the horizontal one; area of the bed over its plan and the horizontal part of a stress
+  along the motion make q' = sqrt(1 + s^2)/q. With -mpm_slope vertical both are 1.
+*/
+#include "talus/basal.h"
+#include "point/material.h"
+#include "space/space.h"
+#include "space/sum.h"
+#include "terrain/bed_flow.h"
+
+#define MOST 100 /* iterations: a bisection would have ended */
+
+/* A node that flows: geometry of its bed, and its materials. */
+typedef struct {
+  const MpmBedFlow *flow;
+  const MpmSum     *sum;
+  PetscInt          node;
+  PetscReal         cosine2, along, part; /* c, q and q' */
+} Node;
+
+/* F at a speed, N. */
+static PetscReal Resistance(const Node *node, PetscReal speed)
+{
+  const PetscInt materials = node->flow->materials;
+  PetscReal      force     = 0.;
+
+  for (PetscInt k = 0; k < materials; k++) {
+    const MpmMaterial *material = &node->sum->materials[k];
+    const PetscReal   *share    = &node->flow->shares[(node->node * materials + k) * MPM_BED_SHARES];
+    const PetscReal    density = material->parameter[MPM_BASAL_DENSITY], g = material->parameter[MPM_BASAL_GRAVITY];
+    PetscReal          depth;
+    MpmBasalPoint      point;
+
+    if (!(share[MPM_BED_SHARE] > 0.)) continue;
+    depth = share[MPM_BED_SHARE] / share[MPM_BED_OVER_DEPTH];
+    point = (MpmBasalPoint){.depth    = depth * PetscSqrtReal(node->cosine2),
+                            .pressure = density * g * depth * node->cosine2,
+                            .speed    = node->along * speed};
+    force +=
+      share[MPM_BED_SHARE] * node->part * material->basal->resistance(material->parameter, &point) / (density * depth);
+  }
+  return force;
+}
+
+/* The root between 0 and a speed, by regula falsi with halved ends (Illinois). */
+static PetscReal Solve(const Node *node, PetscReal mass, PetscReal kick, PetscReal speed)
+{
+  PetscReal lower = 0., upper = speed, below = kick * Resistance(node, 0.) - mass * speed;
+  PetscReal above = kick * Resistance(node, speed);
+  int       side  = 0;
+
+  if (!(below < 0.)) return 0.;
+  for (PetscInt k = 0; k < MOST && above > 0. && upper - lower > 4. * PETSC_MACHINE_EPSILON * upper; k++) {
+    const PetscReal middle = (lower * above - upper * below) / (above - below);
+    const PetscReal value  = mass * (middle - speed) + kick * Resistance(node, middle);
+
+    if (value == 0.) return middle;
+    if (value > 0.) {
+      upper = middle;
+      above = value;
+      if (side > 0) below *= 0.5;
+      side = 1;
+    } else {
+      lower = middle;
+      below = value;
+      if (side < 0) above *= 0.5;
+      side = -1;
+    }
+  }
+  return above > 0. ? 0.5 * (lower + upper) : upper;
+}
+
+PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal kick, PetscReal velocity[])
+{
+  MpmBedFlow *flow = ctx;
+
+  PetscFunctionBeginUser;
+  for (PetscInt i = 0; i < sum->space->local; i++) {
+    const PetscReal *sums = &flow->sums[i * MPM_BED_SUMS];
+    PetscReal *v = &velocity[i * sum->block], speed = PetscSqrtReal(v[0] * v[0] + v[1] * v[1]), slope[2], along, to;
+    Node       node = {.flow = flow, .sum = sum, .node = i, .cosine2 = 1., .along = 1., .part = 1.};
+
+    if (!(mass[i] > 0.) || !(speed > 0.)) continue;
+    if (flow->bed->normal) {
+      for (PetscInt a = 0; a < 2; a++) slope[a] = sums[MPM_BED_SLOPE + a] / sums[MPM_BED_MASS];
+      along        = (v[0] * slope[0] + v[1] * slope[1]) / speed;
+      node.cosine2 = MpmBedCosine2(flow->bed, slope);
+      node.along   = PetscSqrtReal(1. + along * along);
+      node.part    = 1. / (PetscSqrtReal(node.cosine2) * node.along);
+    }
+    to = Solve(&node, mass[i], kick, speed);
+    for (PetscInt a = 0; a < 2; a++) v[a] = to == 0. ? 0. : v[a] * to / speed;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,180 @@
+#!/usr/bin/env python3
+"""Depth-averaged flow on a bed: dam breaks, friction, laws of the bed by their uniform flow, and water at rest.
+
+Exact solutions: Ritter (1892) and Stoker (1957) of a dam that breaks, Mangeney, Heinrich and Roche (2000),
+doi:10.1007/s000240050018, of one on a slope with friction, Thacker (1981), doi:10.1017/S0022112081001882, of water that
+swings in a bowl. Uniform flow of each law has its closed form.
+
+Quick.
+"""
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Test  # noqa: E402
+
+G = 9.81
+STRIP = """mpm:
+  dim: 2
+  physics: depth_averaged
+  slope: {slope}
+  bed: "0,{bed!r},0"
+  grid: {{lower: "{lower!r},0", upper: "{upper!r},{cell!r}", cells: "{cells},1"}}
+  materials: mud
+  material_mud: {{{material}}}
+  bodies: {names}
+{bodies}  bcs: sides,west,east
+  bc_sides: {{region: box, lower: "{lower!r},0", upper: "{upper!r},{cell!r}", components: "y"}}
+  bc_west: {{region: box, lower: "{lower!r},0", upper: "{lower!r},{cell!r}", components: "x"}}
+  bc_east: {{region: box, lower: "{upper!r},0", upper: "{upper!r},{cell!r}", components: "x"}}
+  time: {{integrator: explicit, cfl: 0.4, end: {end!r}}}
+  output: {{every: 0}}
+  quiet: true
+"""
+BODY = ('  body_{name}: {{region: box, lower: "{lower!r},0", upper: "{upper!r},{cell!r}", points_per_cell: "4,4", '
+        "material: mud, depth: {depth!r}}}\n")
+
+
+def strip(test, cell, depths, end, material, slope="vertical", bed=0.0, sides=(8.0, 10.0)):
+    """Points of a row of cells in the last state: a depth left of 0, and one right of it unless that is 0."""
+    lower, upper = -cell * math.ceil(sides[0] / cell), cell * math.ceil(sides[1] / cell)
+    places = [("left", lower, 0.0, depths[0]), ("right", 0.0, upper, depths[1])]
+    bodies = [BODY.format(name=name, lower=a, upper=b, cell=cell, depth=depth) for name, a, b, depth in places if depth]
+    names = ",".join(name for name, _, _, depth in places if depth)
+    path = test.folder() / "strip.yaml"
+    path.write_text(STRIP.format(slope=slope, bed=bed, lower=lower, upper=upper, cell=cell, material=material, names=names,
+                                 cells=round((upper - lower) / cell), bodies="".join(bodies), end=end))
+    state = test.run(path).results.state("last")
+    return state["position"][:, 0], state["depth"].ravel(), state["velocity"][:, 0]
+
+
+def uniform(test, degrees, depth, material, end):
+    """Speed along a slope of a layer of this depth normal to it, far from its ends."""
+    c = math.cos(math.radians(degrees))
+    x, h, v = strip(test, 20.0, (depth / c, 0.0), end, material, "normal", -math.tan(math.radians(degrees)), (4000.0, 1500.0))
+    return float(np.median(v[np.argsort(abs(x + 1500.0))[:32]])) / c
+
+
+def write_map(path, function, lower, cells, cell):
+    """Heights at the nodes of a grid, and a pixel beyond."""
+    xs, ys = ([lower[a] + cell * (i - 1) for i in range(cells[a] + 3)] for a in range(2))
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(f"ncols {len(xs)}\nnrows {len(ys)}\nxllcenter {xs[0]!r}\nyllcenter {ys[0]!r}\ncellsize {cell!r}\n")
+        for y in reversed(ys):
+            file.write(" ".join(repr(float(function(x, y))) for x in xs) + "\n")
+
+
+def lake(test, name, function, slope, ranks):
+    """Largest speed of water that starts level over a bed, after some hundred steps."""
+    folder = test.folder()
+    write_map(folder / "bed.asc", function, (0.0, 0.0), (40, 8), 0.25)
+    (folder / "lake.yaml").write_text(f"""mpm:
+  dim: 2
+  physics: depth_averaged
+  slope: {slope}
+  terrain: {{file: bed.asc}}
+  grid: {{lower: "0,0", upper: "10,2", cells: "40,8"}}
+  materials: water
+  material_water: {{type: coulomb, mu: 0, density: 1000}}
+  bodies: lake
+  body_lake: {{region: box, lower: "0,0", upper: "10,2", points_per_cell: "3,3", material: water, level: 1}}
+  bcs: south,north,west,east
+  bc_south: {{region: box, lower: "0,0", upper: "10,0", components: "y"}}
+  bc_north: {{region: box, lower: "0,2", upper: "10,2", components: "y"}}
+  bc_west: {{region: box, lower: "0,0", upper: "0,2", components: "x"}}
+  bc_east: {{region: box, lower: "10,0", upper: "10,2", components: "x"}}
+  time: {{integrator: explicit, cfl: 0.3, end: 3}}
+  output: {{every: 0}}
+  quiet: true
+""")
+    state = test.run(folder / "lake.yaml", ranks=ranks).results.state("last")
+    test.check(f"lake.{name}.{slope}.{ranks}", float(abs(state["velocity"]).max()) / math.sqrt(G), 0, 1e-9)
+
+
+def bumpy(x, y):
+    return 0.2 * math.sin(2 * math.pi * x / 5) * math.cos(2 * math.pi * y / 3) + 0.1 * math.sin(2 * math.pi * x / 2.5 + 1)
+
+
+def shore(x, y):
+    return 0.08 * (x - 5) ** 2 + 0.02 * (y - 1) ** 2
+
+
+def refuse(test, label, words, time="explicit, cfl: 0.4", **options):
+    """A scene that is none: one line with these words, status 2, no files."""
+    path = test.folder() / "strip.yaml"
+    path.write_text(STRIP.format(slope="normal", bed=0.0, lower=-1.0, upper=1.0, cell=0.5, material=WATER, names="left", cells=4,
+                                 bodies=BODY.format(name="left", lower=-1.0, upper=0.0, cell=0.5, depth=1.0), end=1.0)
+                    .replace("explicit, cfl: 0.4", time))
+    run = test.run(path, status=2, **options)
+    test.check(f"{label}.line", words in run.errors and run.errors.count("\n") == 1, 1, 1)
+    test.check(f"{label}.files", len(run.files), 0, 0)
+
+
+WATER = "type: coulomb, mu: 0, density: 1000"
+
+with Test() as test:
+    # dams that break, 63 cells in c0 t
+    cell = math.sqrt(G) / 63
+    x, h, v = strip(test, cell, (1.0, 0.0), 1.0, WATER)
+    near = np.argsort(abs(x))[:16]
+    test.near("ritter.depth", float(h[near].mean()), 4 / 9, relative=0.01)
+    test.near("ritter.speed", float(v[near].mean()), 2 / 3 * math.sqrt(G), relative=0.01)
+    test.near("ritter.front", float(x.max()), 2 * math.sqrt(G), relative=0.1)
+    x, h, v = strip(test, cell, (1.0, 0.2), 1.0, WATER, sides=(8.0, 8.0))
+    behind = (x > 0.3) & (x < 2.2)
+    test.near("stoker.depth", float(np.median(h[behind])), 0.50787, relative=0.005)
+    test.near("stoker.speed", float(np.median(v[behind])), 1.80001, relative=0.005)
+
+    # a dam on a slope with friction, in axes along it
+    theta, delta, c = math.radians(22), math.radians(12), math.cos(math.radians(22))
+    cell = math.sqrt(G * c * 20) * 10 / 34 * c
+    x, h, v = strip(test, cell, (20 / c, 0.0), 10.0, "type: coulomb, friction: 12, density: 1000", "normal", -math.tan(theta),
+                    (450.0, 480.0))
+    near = np.argsort(abs(x))[:16]
+    test.near("mangeney.depth", float(h[near].mean()) * c, 15.5539318, relative=0.01)
+    test.near("mangeney.speed", float(v[near].mean()) / c, 20.6019906, relative=0.01)
+
+    # laws by their uniform flow; a thin layer slides like a block
+    s = math.sin(math.radians(25))
+    test.near("voellmy", uniform(test, 25, 2.0, "type: voellmy, mu: 0.2, xi: 1500, density: 1000", 60.0), 26.90855, relative=1e-3)
+    test.near("manning", uniform(test, 25, 2.0, "type: manning, n: 0.1, density: 1000", 60.0), 2 ** (2 / 3) * math.sqrt(s) / 0.1,
+              relative=1e-3)
+    test.near("bingham", uniform(test, 12, 1.5, "type: bingham, yield_stress: 2e3, viscosity: 150, density: 1800", 120.0), 8.796,
+              relative=1e-3)
+    tau, n = 1800 * G * 1.5 * math.sin(math.radians(12)), 0.5
+    flows = 1 - 1000 / tau
+    speed = n / (n + 1) * (tau / 1500 * flows) ** (1 / n) * 1.5 * flows * (1 - n / (2 * n + 1) * flows)
+    test.near("herschel_bulkley", uniform(test, 12, 1.5, "type: herschel_bulkley, yield_stress: 1e3, consistency: 1500, n: 0.5, "
+                                          "density: 1800", 60.0), speed, relative=1e-3)
+    mu, c = math.tan(math.radians(25)), math.cos(math.radians(25))
+    inertial = 0.3 * (mu - 0.38) / (0.64 - mu)
+    speed = inertial * 2 * 2.0 * math.sqrt(0.6 * G * 2.0 * c) / (5 * 0.5)
+    test.near("mu_i", uniform(test, 25, 2.0, "type: mu_i, mu_s: 0.38, mu_2: 0.64, diameter: 0.5, density: 1500", 60.0), speed,
+              relative=1e-3)
+    a, b, k = 1500 * G * 0.08 ** 2 / 2 ** (1 / 3), 24 * 50 / 16, 500 - 1500 * G * 2.0 * s
+    test.near("obrien_julien", uniform(test, 25, 2.0, "type: obrien_julien, yield_stress: 500, viscosity: 50, n: 0.08, density: 1500",
+                                       60.0), (-b + math.sqrt(b * b - 4 * a * k)) / (2 * a), relative=1e-3)
+    weight, profile = 200 * G * 2.0, (math.log(2.0 / 1.0) / 0.43 + 4.13) ** 2
+    low, high = 0.0, 100.0
+    for _ in range(100):
+        middle = (low + high) / 2
+        r = 200 * middle ** 2 / (weight * c)
+        low, high = (middle, high) if (0.155 * (1 + 0.222 / (0.222 + r)) * weight * c + 200 * middle ** 2 / profile
+                                       < weight * s) else (low, middle)
+    test.near("samosat", uniform(test, 25, 2.0, "type: samosat, roughness: 1, density: 200", 90.0), low, relative=1e-3)
+    test.near("block", uniform(test, 30, 0.01, f"type: coulomb, mu: {math.tan(math.radians(20))!r}, density: 1000", 4.0),
+              4 * 1.8128147, relative=1e-3)
+    test.near("held", uniform(test, 25, 2.0, "type: coulomb, friction: 26, density: 1000", 5.0), 0.0)
+
+    # water at rest, also at its shores
+    for slope in ("vertical", "normal"):
+        lake(test, "bumpy", bumpy, slope, 1)
+        lake(test, "shore", shore, slope, 3)
+
+    refuse(test, "implicit", "must be explicit", "quasistatic, step: 0.1")
+    refuse(test, "law", "must be one of", mpm_material_mud_type="j2")
+    refuse(test, "depth", "must be > 0", mpm_body_left_depth=-1)
+    refuse(test, "xi", "xi", mpm_material_mud_type="voellmy", mpm_material_mud_xi=0, mpm_material_mud_mu=0.1)
