@@ -17,8 +17,8 @@ typedef struct MpmBasalPoint {
 /* Shear stress at the bed against the motion, Pa. */
 typedef double (*MpmBasalResistance)(const double *parameter, const MpmBasalPoint *point);
 
-/* Trait of a physics beside MpmPhysicsTrait: points are columns on a bed, volumes those of the columns; laws are those of
-   beds. */
+/* Trait of a physics beside MpmPhysicsTrait: points are columns on a bed, volumes those of the columns; laws are those
+   of beds. */
 #define MPM_PHYSICS_COLUMNS 256u
 
 /*

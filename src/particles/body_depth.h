@@ -8,8 +8,8 @@
 
 typedef struct _p_MpmBodyDepth *MpmBodyDepth;
 /*
-  Reads -<prefix>depth, a number or a map, or -<prefix>level, the height to which the ground is filled. Heights of the bed
-  are those that a point's own weights interpolate, by the shape and its edge.
+  Reads -<prefix>depth, a number or a map, or -<prefix>level, the height to which the ground is filled. Heights of the
+  bed are those that a point's own weights interpolate, by the shape and its edge.
 */
 PetscErrorCode MpmBodyDepthCreate(const MpmOptions *block, const MpmBed *bed, MpmShapeType shape, MpmEdgeType edge,
                                   MpmBodyDepth *depth);

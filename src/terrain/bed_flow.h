@@ -71,7 +71,7 @@ static inline PetscReal MpmBedCosine2(const MpmBed *bed, const PetscReal slope[]
   return bed->normal ? 1. / (1. + slope[0] * slope[0] + slope[1] * slope[1]) : 1.;
 }
 
-/* At the local nodes, from the sums there (bed_level.c): the mean level and bed; once the slopes are there, the rest. */
+/* At the local nodes, from the sums there (bed_level.c): the mean level and bed; and what the slopes say of them. */
 void MpmBedFindMeans(const MpmSum *sum, MpmBedFlow *flow);
 void MpmBedFindLevels(const MpmSum *sum, MpmBedFlow *flow);
 /* Velocities of the nodes after an increment over `kick`, s, with the resistance of the bed (bed_resistance.c). */

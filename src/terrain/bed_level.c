@@ -7,8 +7,8 @@
 #include "terrain/bed_flow.h"
 
 #define HALF 8 /* places in a cell, an axis, that tell how much of it a level wets */
-/* Filled parts of what a level would wet between which its balance begins to count. Measured: between 0.85 and 0.95 a dam
-   that breaks keeps its front, and a lake whose points fill nine tenths of it rests. */
+/* Filled parts of what a level would wet between which its balance begins to count. Measured: between 0.85 and 0.95 a
+   dam that breaks keeps its front, and a lake whose points fill nine tenths of it rests. */
 #define BALANCE_FROM  0.85
 #define BALANCE_WHOLE 0.95
 /* The wet part of a support between which it begins to count as all of it. */
@@ -46,8 +46,8 @@ static void Range(const PetscReal z[4], PetscReal *lowest, PetscReal *highest)
 }
 
 /*
-  Share of a linear support in one of its four cells that lies below a level; z of the node, beside it on either axis, and
-  across. Continuous in the level: about each of the places the bed rises by its rise in the cell over their number.
+  Share of a linear support in one of its four cells that lies below a level; z of the node, beside it on either axis,
+  and across. Continuous in the level: about each of the places the bed rises by its rise in the cell over their number.
 */
 static PetscReal WetCell(const PetscReal z[4], PetscReal level)
 {
