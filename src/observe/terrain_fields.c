@@ -1,7 +1,7 @@
 /*
   Fields of columns on a bed in the results.
 */
-#include "geometry/bed.h"
+#include "maps/bed.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "query/model.h"

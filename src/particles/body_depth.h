@@ -4,7 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "geometry/bed.h"
+#include "maps/bed.h"
 
 typedef struct _p_MpmBodyDepth *MpmBodyDepth;
 /*

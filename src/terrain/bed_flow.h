@@ -23,7 +23,7 @@
   doi:10.1137/S1064827503431090 (balance with water at rest).
 */
 #include "assembly/terms.h"
-#include "geometry/bed.h"
+#include "maps/bed.h"
 
 /* A point and the bed beneath it: m2, m, m, -. */
 typedef struct {

@@ -6,7 +6,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "io/ascii_grid.h"
+#include "maps/ascii_grid.h"
 
 /* Height z = plane[0] + plane[1] x + plane[2] y, or bilinear between the centres of a map's pixels. */
 struct MpmBed {

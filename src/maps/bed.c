@@ -2,7 +2,7 @@
   The bed of a flow over terrain.
 */
 #include "options/options.h"
-#include "geometry/bed.h"
+#include "maps/bed.h"
 
 #define SLACK 1e-9 /* of a pixel: places so far beyond the outer centres are on them */
 

@@ -5,7 +5,7 @@
 #include <errno.h>
 #include <string.h>
 #include <strings.h>
-#include "io/ascii_grid.h"
+#include "maps/ascii_grid.h"
 #include "io/csv_table.h"
 
 #define MOST 2e9 /* pixels */
