@@ -3,7 +3,7 @@
   Runs over the steps of a tape, forward and backward.
 */
 #include "sensitivity/gradient.h"
-#include "sensitivity/step_map.h"
+#include "stepmap/step_map.h"
 
 /*
   The gradient from the tape and the objectives' weights (tangent_run.c, adjoint_run.c): one run forward a parameter,

@@ -1,7 +1,7 @@
 /*
   The points' part of a step's pull, with derivatives of their kernels from a table: L as in points_map.c.
 */
-#include "sensitivity/point_table.h"
+#include "stepmap/point_table.h"
 
 /*
   Factors of each basis function b of the group's node i in the derivative of L by the point's weights: dL/dH u_i - q

@@ -16,7 +16,7 @@
 */
 #include "grid/grid.h"
 #include "points/spread_mean.h"
-#include "sensitivity/point_work.h"
+#include "stepmap/point_work.h"
 
 /* One point: its mean and derivatives, also along the direction; volume; flux of the mean. */
 typedef struct {

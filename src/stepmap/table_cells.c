@@ -2,7 +2,7 @@
   The points' part of a step's pull where the physics has a mean over the cell, with a table: L as in cells_map.c.
 */
 #include "points/cell_mean.h"
-#include "sensitivity/point_table.h"
+#include "stepmap/point_table.h"
 
 /* One point of the cell: its volume and share of it, mean and derivatives of it, H and K. */
 typedef struct {

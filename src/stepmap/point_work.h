@@ -5,7 +5,7 @@
 #include "space/kernel_point.h"
 #include "space/point_loop.h"
 #include "space/point_slopes.h"
-#include "sensitivity/step_map.h"
+#include "stepmap/step_map.h"
 
 /* Room for one point's numbers. */
 typedef struct {

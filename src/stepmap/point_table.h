@@ -9,7 +9,7 @@
   rows of derivatives of the bars' part  Fbar : F' + zbar . z' , of q, of m and of dm/dinput, a column for each
   direction.
 */
-#include "sensitivity/point_work.h"
+#include "stepmap/point_work.h"
 
 /* Directions of a law's points: inputs, F, history and parameters, from these columns on. */
 typedef struct {

@@ -10,7 +10,7 @@
 #include "assembly/terms.h"
 #include "volume/ghost_faces.h"
 #include "volume/volume.h"
-#include "sensitivity/step_map.h"
+#include "stepmap/step_map.h"
 
 /* True where a parameter is the modulus with which the penalty of its material goes. */
 static PetscBool IsModulus(const MpmStepMap *map, const MpmSceneParameter *parameter)

@@ -3,7 +3,7 @@
   cells_map.c has it for one.
 */
 #include "points/cell_mean.h"
-#include "sensitivity/table_along.h"
+#include "stepmap/table_along.h"
 
 /* One point of the cell: mean, its derivatives, volume, share, fluxes, that of the mean last, and inputs; d: rows of
    their changes. */

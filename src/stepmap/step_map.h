@@ -13,7 +13,7 @@
 */
 #include "loads/load.h"
 #include "query/point_vector.h"
-#include "sensitivity/parameters.h"
+#include "query/scene_parameter.h"
 
 /* Parts of the scene's states that no step changes: displacements begin anew, initial shapes differ. */
 typedef struct {

@@ -1,7 +1,7 @@
 /*
   One point of a step's derivatives.
 */
-#include "sensitivity/point_work.h"
+#include "stepmap/point_work.h"
 
 PetscErrorCode MpmPointWorkCreate(const MpmStepMap *map, MpmPointWork *work)
 {

@@ -2,7 +2,7 @@
 /*
   Up to MPM_PACK directions of a step at once, for the points that a table serves (point_table.h).
 */
-#include "sensitivity/point_work.h"
+#include "stepmap/point_work.h"
 
 #define MPM_ARGUMENTS (MPM_BY_COUNT * MPM_MAX_DIM) /* of a point's weights: places, half-lengths */
 

@@ -11,7 +11,7 @@
   point's own part at constant m_bar, A dm_bar, and -f dM.
 */
 #include "points/cell_mean.h"
-#include "sensitivity/point_work.h"
+#include "stepmap/point_work.h"
 
 /* One point of the cell: its mean and derivatives, also along the direction; fluxes, that of the mean last. */
 typedef struct {

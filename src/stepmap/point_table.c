@@ -3,7 +3,7 @@
 */
 #include "particles/points.h"
 #include "point/material.h"
-#include "sensitivity/point_table.h"
+#include "stepmap/point_table.h"
 
 /* ---- directions ---- */
 

@@ -2,7 +2,7 @@
   The points' part of a step's derivatives along several directions, as points_map.c has it for one.
 */
 #include "point/material.h"
-#include "sensitivity/table_along.h"
+#include "stepmap/table_along.h"
 
 /* ---- one point ---- */
 

@@ -13,7 +13,7 @@
 #include "space/rules.h"
 #include "space/sum.h"
 #include "loads/load_weights.h"
-#include "sensitivity/step_map.h"
+#include "stepmap/step_map.h"
 
 /* One load, and room for one point. */
 typedef struct {

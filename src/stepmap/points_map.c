@@ -9,7 +9,7 @@
   w and grad w depend on the place x and the half-lengths l(x, F) of the domain (space/point_slopes.h), all else on H,
   F, the history z and parameters p through the kernel's sensitivity form.
 */
-#include "sensitivity/point_table.h"
+#include "stepmap/point_table.h"
 
 PetscErrorCode MpmStateVectorCreate(const MpmSum *sum, const MpmPoints *points, MpmStepConstants constants,
                                     MpmPointVector *vector)
