@@ -12,7 +12,7 @@
   Source: Mei and Yuhi (2001), J. Fluid Mech. 431, 135-159, doi:10.1017/S0022112000003013, section 2.
 */
 #include <math.h>
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 
 enum { YIELD_STRESS = MPM_BASAL_OWN, VISCOSITY };
 

@@ -7,7 +7,7 @@
   Source: Savage and Hutter (1989), J. Fluid Mech. 199, 177-215, doi:10.1017/S0022112089000340.
 */
 #include <math.h>
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 
 enum { MU = MPM_BASAL_OWN, FRICTION };
 

@@ -11,7 +11,7 @@
   Source: Huang and Garcia (1998), J. Fluid Mech. 374, 305-333, doi:10.1017/S0022112098002845.
 */
 #include <math.h>
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 
 enum { YIELD_STRESS = MPM_BASAL_OWN, CONSISTENCY, EXPONENT };
 

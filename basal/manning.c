@@ -7,7 +7,7 @@
   Source: Chow (1959), Open-Channel Hydraulics, section 5-6.
 */
 #include <math.h>
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 
 enum { ROUGHNESS = MPM_BASAL_OWN };
 

@@ -14,7 +14,7 @@
   Fluid Mech. 755, 503-534, doi:10.1017/jfm.2014.450, for the layer.
 */
 #include <math.h>
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 
 enum { MU_S = MPM_BASAL_OWN, MU_2, I_0, DIAMETER, FRACTION };
 

@@ -13,7 +13,7 @@
   doi:10.1061/(ASCE)0733-9429(1993)119:2(244).
 */
 #include <math.h>
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 
 enum { YIELD_STRESS = MPM_BASAL_OWN, VISCOSITY, LAMINAR, ROUGHNESS };
 

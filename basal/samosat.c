@@ -13,7 +13,7 @@
   Source: Sampl and Zwinger (2004), Ann. Glaciol. 38, 393-398, doi:10.3189/172756404781814780.
 */
 #include <math.h>
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 
 enum { MU = MPM_BASAL_OWN, TAU_0, R_0, KAPPA, ROUGHNESS, B };
 

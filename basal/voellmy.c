@@ -12,7 +12,7 @@
   Glaciol. 61, 837-850, doi:10.3189/2015JoG14J168, for the cohesion.
 */
 #include <math.h>
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 
 enum { MU = MPM_BASAL_OWN, XI, COHESION };
 

@@ -5,7 +5,7 @@
   deformation; a point's volume V_0 = A_0 h_0 is that of its column, of constant density. The pressure of the depth, the
   bed's slope and its resistance are a term of the nodes, src/terrain/columns.h, which has the equations.
 */
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 #include "solid.h"
 
 static int DepthAveragedKernel(const KernelPoint *point, const Scalar input[], Scalar flux[])

@@ -7,6 +7,7 @@
   status 2.
 */
 #include "base/base.h"
+#include "options/range.h"
 
 /* Options read so far, with the values in force. */
 typedef struct _p_MpmRecord *MpmRecord;
@@ -21,15 +22,6 @@ typedef struct MpmOptions {
   const char *prefix;
   MpmRecord   record;
 } MpmOptions;
-
-/* Accepted range; `open` excludes the bounds themselves. */
-typedef struct {
-  PetscReal lower, upper;
-  PetscBool open;
-} MpmRange;
-#define MPM_RANGE_ANY          ((MpmRange){PETSC_NINFINITY, PETSC_INFINITY, PETSC_FALSE})
-#define MPM_RANGE_POSITIVE     ((MpmRange){0., PETSC_INFINITY, PETSC_TRUE})
-#define MPM_RANGE_NON_NEGATIVE ((MpmRange){0., PETSC_INFINITY, PETSC_FALSE})
 
 /* A range as -help and messages have it: "in (-1, 0.5)", "> 0"; empty where all numbers are accepted. */
 #define MPM_RANGE_TEXT (2 * MPM_NUMBER_TEXT + 16)

@@ -2,7 +2,7 @@
 /*
   Laws of the bed that were compiled in (basal/).
 */
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 #include "talus/talus.h"
 #include "base/types.h"
 

@@ -7,7 +7,7 @@
   depth acts with the bed (terrain/columns.h). Waves have the speed sqrt(g h). Taken for every law of the bed, whose
   parameter table it gets.
 */
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 #include "talus/point/law.h"
 
 static const MpmParameter parameters[] = {MPM_BASAL_SHARED};

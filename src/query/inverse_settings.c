@@ -1,6 +1,7 @@
 /*
   Settings of an inverse analysis.
 */
+#include "options/options.h"
 #include "query/inverse_settings.h"
 
 PetscErrorCode MpmInverseSettingsRead(const MpmOptions *options, MpmInverseSettings *settings)

@@ -3,7 +3,7 @@
   Settings of an inverse analysis, which finds parameters from data.
 */
 #include "base/base.h"
-#include "options/options.h"
+#include "base/types.h"
 
 typedef enum { MPM_GAUSS_NEWTON, MPM_BLMVM, MPM_DESCENT } MpmInverseMethod;
 

@@ -2,6 +2,7 @@
   Parameters of an inverse analysis: transforms, bounds, priors.
 */
 #include <string.h>
+#include "options/options.h"
 #include "query/parameter_range.h"
 
 PetscReal MpmRangeTransform(const MpmParameterRange *range, PetscReal value)

@@ -6,7 +6,7 @@
   and b. One parameter may stand for several numbers of the scene, which are equal.
 */
 #include "base/base.h"
-#include "options/options.h"
+#include "base/types.h"
 #include "query/scene_parameter.h"
 
 typedef enum { MPM_TRANSFORM_NONE, MPM_TRANSFORM_LOG, MPM_TRANSFORM_LOGIT } MpmTransform;

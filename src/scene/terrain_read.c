@@ -1,7 +1,7 @@
 /*
   Scenes of depth-averaged flow.
 */
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 #include "options/options.h"
 #include "grid/grid.h"
 #include "loads/load.h"

@@ -1,7 +1,7 @@
 /*
   Forces of depth and slope at the nodes.
 */
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 #include "point/material.h"
 #include "grid/grid.h"
 #include "particles/point_mass.h"

@@ -8,7 +8,7 @@
   the speed along the bed over the horizontal one; area of the bed over its plan and the horizontal part of a stress
   along the motion make q' = sqrt(1 + s^2)/q. With -mpm_slope vertical both are 1.
 */
-#include "talus/basal.h"
+#include "talus/point/basal.h"
 #include "point/material.h"
 #include "space/space.h"
 #include "space/sum.h"

@@ -5,7 +5,7 @@
   A law is one file of basal/ with MPM_BASAL(name, ...): a table of parameters as laws have it, behind the two that all
   share, and a function. The engine takes the resistance implicitly at the nodes: it must not fall with the speed.
 */
-#include "talus/point/tables.h"
+#include "tables.h"
 
 /* A layer over its bed: what its resistance depends on. */
 typedef struct MpmBasalPoint {
