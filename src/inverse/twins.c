@@ -11,6 +11,7 @@
   doi:10.1007/978-0-387-40065-5.
 */
 #include "base/columns.h"
+#include "options/options.h"
 #include "observe/results.h"
 #include "query/model.h"
 #include "sensitivity/gradient.h"

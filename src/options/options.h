@@ -7,7 +7,7 @@
   status 2.
 */
 #include "base/base.h"
-#include "options/range.h"
+#include "base/range.h"
 
 /* Options read so far, with the values in force. */
 typedef struct _p_MpmRecord *MpmRecord;

@@ -3,9 +3,9 @@
   A number of a scene by its name, and the options that it is of.
 */
 #include "base/base.h"
-#include "options/range.h"
+#include "base/range.h"
 #include "base/types.h"
-#include "options/range.h"
+#include "base/range.h"
 #include "base/types.h"
 
 /* By what a parameter acts on: a law's number, a load's magnitude, and numbers of the state from which steps start have
