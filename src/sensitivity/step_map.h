@@ -13,6 +13,7 @@
 */
 #include "loads/load.h"
 #include "query/point_vector.h"
+#include "sensitivity/ground_parameters.h"
 #include "sensitivity/parameters.h"
 
 /* Parts of the scene's states that no step changes: displacements begin anew, initial shapes differ. */
@@ -26,6 +27,7 @@ typedef struct {
   const MpmSum             *sum;
   MpmParticles             *particles;
   const MpmSceneParameters *parameters;
+  const MpmFieldParameters *grounds;
   const PetscReal          *u; /* at the local nodes */
   MpmStepConstants          constants;
   PetscInt                  load_count;
@@ -35,9 +37,10 @@ typedef struct {
 
 /* A direction: of the state, of one parameter (-1: none), of the solution (NULL: none). */
 typedef struct {
-  const MpmPointVector *start;
-  PetscInt              parameter;
-  const PetscReal      *du;
+  const MpmPointVector     *start;
+  PetscInt                  parameter;
+  const PetscReal          *du;
+  const MpmGroundDirection *ground; /* of a field; NULL: none */
 } MpmStepDirection;
 
 /* A vector over the states of points, and of the step's points. */

@@ -29,25 +29,28 @@ static PetscErrorCode FindSlopes(MpmModel model, const MpmPointVector *end, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One parameter in one step: `start` becomes the step's end. */
-static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt parameter, const MpmStepMap *map,
+/* One number in one step: `start` becomes the step's end. */
+static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt number, const MpmStepMap *map,
                                 MpmPointVector *vector)
 {
   MpmGradient     *gradient = model->gradient;
   const PetscInt   count    = model->disc.space->local * model->disc.block;
-  const PetscInt   row      = parameter * gradient->rows + gradient->tape.step[n].row;
+  const PetscInt   row      = number * gradient->rows + gradient->tape.step[n].row;
   MpmPointVector   start = {0}, end = {0};
-  MpmStepDirection direction = {.start = &start, .parameter = parameter};
+  const PetscInt   field     = number - map->parameters->count;
+  MpmStepDirection direction = {.start     = &start,
+                                .parameter = field < 0 ? number : -1,
+                                .ground    = field < 0 ? NULL : &map->grounds->direction[field]};
   PetscReal       *residual, *du;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc2((count + 1), &residual, (count + 1), &du));
   PetscCall(MpmStepVectorCreate(map, &start));
   PetscCall(MpmStepVectorCreate(map, &end));
-  PetscCall(
-    MpmPointVectorMove(model->comm, !n && gradient->start.at ? &gradient->start.at[parameter] : vector, &start));
+  PetscCall(MpmPointVectorMove(model->comm,
+                               !n && gradient->start.at && field < 0 ? &gradient->start.at[number] : vector, &start));
   PetscCall(MpmPointVectorDestroy(vector));
-  MpmStageAlong(model, n, map, parameter, &start);
+  MpmStageAlong(model, n, map, direction.parameter, &start);
   PetscCall(MpmPointsAlong(map, &direction, residual, NULL));
   PetscCall(MpmLoadsAlong(map, &direction, residual));
   PetscCall(MpmGhostAlong(map, &direction, residual));
@@ -69,10 +72,12 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt parameter, 
 PetscErrorCode MpmTangentRun(MpmModel model, PetscReal values[])
 {
   MpmGradient    *gradient = model->gradient;
-  const PetscInt  count    = gradient->parameters.count;
+  PetscInt        count;
   MpmPointVector *vectors;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmGroundDirectionsCreate(gradient->checks, &gradient->grounds));
+  count = gradient->parameters.count + gradient->grounds.direction_count;
   PetscCall(PetscCalloc1(count, &vectors));
   PetscCall(PetscFree(gradient->slopes));
   PetscCall(PetscCalloc1((count * gradient->rows * gradient->objectives.count), &gradient->slopes));
