@@ -77,10 +77,12 @@ def uniform(test, folder):
 def varying(test, folder):
     """Methods, ranks and differences agree where the field and other numbers of its material are parameters at once."""
     rng = np.random.default_rng(3)
-    for kind, places, log in (("cell", PLACES, {}), ("pilots", PILOTS, {"length": 2}), ("pilots", PILOTS, {"length": 2, "log": "false"})):
-        label = kind + ("" if len(log) < 2 else ".plain")
+    penalty = {"mpm_stabilization_interior": 0.05}  # of the largest value
+    for label, kind, places, log, more in (("cell", "cell", PLACES, {}, {}), ("penalty", "cell", PLACES, {}, penalty),
+                                           ("pilots", "pilots", PILOTS, {"length": 2}, {}),
+                                           ("pilots.plain", "pilots", PILOTS, {"length": 2, "log": "false"}, {})):
         values = 1e6 * np.exp(rng.uniform(0.0, 1.0, len(places)))
-        options = field(by=kind, file=write(folder, label + ".csv", places, values), **log)
+        options = {**field(by=kind, file=write(folder, label + ".csv", places, values), **log), **more}
         run, _, gradient = differentiate(test, "soil.nu,field_stiff,weight.factor", **options)
         test.check(f"{label}.names", run.results.summary["parameters"] == ["soil.nu", "weight.factor"], 1, 1)
         stored, derivatives = by_field(run)
