@@ -5,6 +5,7 @@
 #include "point/layout.h"
 #include "point/material.h"
 #include "point/variation.h"
+#include "particles/body.h"
 #include "particles/points.h"
 #include "query/model.h"
 #include "query/query.h"
@@ -88,6 +89,14 @@ typedef struct {
   PetscBool   there;
 } Part;
 
+/* True where any body begins with stress, or masses of its own. */
+static PetscBool AnyStressed(const MpmBodies *bodies)
+{
+  for (PetscInt b = 0; b < bodies->count; b++)
+    if (MpmBodyIsImported(bodies->at[b]) || MpmBodyIsStressed(bodies->at[b])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 static PetscErrorCode CheckParts(const MpmModel model, const MpmGround *ground)
 {
   const MpmScene *scene   = &model->scene;
@@ -98,6 +107,7 @@ static PetscErrorCode CheckParts(const MpmModel model, const MpmGround *ground)
          {"a reduction of strength", MpmStagesReduce(model)},
          {"-mpm_physics of water", (PetscBool)(model->disc.layout->rate.count > 0)},
          {"bodies in contact", (PetscBool)(model->disc.material.parts > 1)},
+         {"initial stresses and bodies from files", AnyStressed(scene->bodies)},
          {"division of points", (PetscBool)(scene->stabilization.divide > 0.)},
   };
 

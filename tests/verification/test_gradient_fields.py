@@ -101,20 +101,10 @@ def varying(test, folder):
         test.near(f"{label}.differences", derivatives @ change, (ends[1] - ends[0]) / 2e-5, relative=1e-6)
 
 
-def checked(test, folder):
-    """The program's own check has lines for fields."""
-    options = field(by="pilots", length=2, file=write(folder, "check.csv", PILOTS, [1e6, 2e6, 3e6, 1.5e6]))
-    run = test.run(SCENE, mpm_task="check_gradient", mpm_gradient_parameters="field_stiff", mpm_objectives="u",
-                   mpm_objective_u_column="track_top_uy", mpm_objective_u_kind="value",
-                   **{name: value for name, value in EXACT.items() if name != "mpm_quiet"}, **options)
-    test.check("check.lines", sum("field stiff" in line and "differences" in line for line in run.output.splitlines()), 3, 3)
-
-
 def refusals(test, folder):
     options = field(by="cell", file=write(folder, "refused.csv", PLACES, [1e6] * len(PLACES)))
     for label, words, parameters, more in (
             ("name", "no field soft", "field_soft", {}),
-            ("varies", "by field_NAME", "soil.E", {}),
             ("stages", "more than one stage", "field_stiff", {"mpm_stages": "a,b"}),
             ("divide", "division of points", "field_stiff", {"mpm_stabilization_divide": 1.5})):
         run, _, _ = differentiate(test, parameters, status=2, **options, **more)
