@@ -94,7 +94,7 @@ PetscErrorCode MpmGradientCheck(MpmModel model)
   const MpmDerivatives *found    = &model->results->derivatives;
 
   PetscFunctionBeginUser;
-  if (!gradient || !gradient->checks || !found->count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!gradient || !gradient->checks || !found->gradient) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < found->count; k++) {
     Difference difference = {0};
 

@@ -33,6 +33,7 @@ static PetscErrorCode Derive(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmDifferentiate(model));
   if (!model->caller.outcome.code) PetscCall(Tell(model));
+  if (!model->caller.outcome.code) PetscCall(MpmGroundResultsWrite(model));
   if (!model->caller.outcome.code) PetscCall(MpmGradientCheck(model));
   if (model->caller.outcome.code) PetscCall(MpmTerminalWarn(model, "%s", model->caller.outcome.text));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -202,6 +202,7 @@ typedef struct MpmSummary {
     const PetscReal *values, *errors; /* derivatives of the objective, and their estimated errors */
     PetscReal        objective;
     const char      *inverse; /* JSON; NULL: the task is no inverse analysis */
+    const char      *fields;  /* entries of derivatives by fields, or NULL */
   } derivatives;
   PetscInt  changes[MPM_CHANGE_COUNT]; /* of settings that the run has made by itself */
   PetscReal memory_max;                /* bytes, sum over ranks of each rank's maximum resident size */

@@ -73,7 +73,7 @@ static PetscErrorCode AppendDerivatives(MpmTextFile *text, const MpmSummary *sum
   PetscFunctionBeginUser;
   if (summary->derivatives.inverse)
     PetscCall(MpmTextFileAppend(text, "  \"inverse\": %s,\n", summary->derivatives.inverse));
-  if (!count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!count && !summary->derivatives.fields) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(
     MpmTextFileAppend(text, "  \"objective\": %.17g,\n  \"parameters\": [", (double)summary->derivatives.objective));
   for (PetscInt k = 0; k < count; k++)
@@ -88,6 +88,8 @@ static PetscErrorCode AppendDerivatives(MpmTextFile *text, const MpmSummary *sum
   for (PetscInt k = 0; k < count; k++)
     PetscCall(MpmTextFileAppend(text, "%s%.3g", k ? ", " : "", (double)summary->derivatives.errors[k]));
   PetscCall(MpmTextFileAppend(text, "],\n"));
+  if (summary->derivatives.fields)
+    PetscCall(MpmTextFileAppend(text, "  \"gradient_fields\": {%s},\n", summary->derivatives.fields));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -31,6 +31,7 @@ PetscErrorCode MpmResultsDestroy(MpmModel model)
   PetscCall(PetscFree2(results->derivatives.names, results->derivatives.methods));
   PetscCall(PetscFree2(results->derivatives.gradient, results->derivatives.errors));
   PetscCall(PetscFree(results->derivatives.tangent));
+  PetscCall(PetscFree(results->derivatives.fields));
   PetscCall(MpmColumnsDestroy(&results->columns));
   PetscCall(MpmColumnsDestroy(&results->added.columns));
   PetscCall(PetscFree(results->history_row));
@@ -122,6 +123,7 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                                                          .methods   = model->results->derivatives.methods,
                                                          .values    = model->results->derivatives.gradient,
                                                          .errors    = model->results->derivatives.errors,
+                                                         .fields    = model->results->derivatives.fields,
                                                          .objective = model->results->derivatives.objective,
                                                          .inverse   = model->results->derivatives.inverse}};
   char           path[PETSC_MAX_PATH_LEN];

@@ -108,6 +108,7 @@ typedef struct {
   PetscReal   *gradient, *errors; /* errors: of differences, as estimated; 0 in closed form */
   PetscReal   *tangent;           /* by the other method, where both are compared; or NULL */
   PetscReal    objective;
+  char        *fields;  /* of the summary: entries of derivatives by fields, or NULL */
   const char  *inverse; /* results of an inverse analysis as JSON, borrowed, or NULL */
 } MpmDerivatives;
 

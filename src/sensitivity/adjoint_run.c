@@ -70,6 +70,7 @@ PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[])
   MpmPointVector vector   = {0};
 
   PetscFunctionBeginUser;
+  PetscCall(MpmFieldParametersBegin(&gradient->grounds));
   for (PetscInt n = gradient->tape.count - 1; n >= 0; n--) {
     MpmReplayedStep step;
 
@@ -85,5 +86,6 @@ PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[])
   PetscCall(MpmStartPull(model, &vector, values));
   PetscCall(MpmPointVectorDestroy(&vector));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));
+  PetscCall(MpmFieldParametersEnd(model->comm, &gradient->grounds, &values[count]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

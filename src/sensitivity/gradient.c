@@ -35,7 +35,8 @@ static PetscErrorCode ReadBlocks(MpmModel model, const MpmOptions *options, MpmG
                            "results, which are gone after the run",
                            MpmTapeStoreKinds, MPM_OPTIONAL, &store, NULL));
   gradient->tape.states.kind = (MpmTapeStoreKind)store;
-  PetscCall(MpmSceneParametersRead(options, model->scene.materials, model->scene.loads, &gradient->parameters));
+  PetscCall(MpmSceneParametersRead(options, model->scene.materials, model->scene.loads, &gradient->grounds,
+                                   &gradient->parameters));
   PetscCall(MpmParameterRangesRead(options, &gradient->parameters, &gradient->ranges));
   PetscCall(MpmObjectivesRead(options, model->state.period.run_end, &gradient->objectives));
   PetscCall(MpmInverseSettingsRead(options, &gradient->inverse));
@@ -48,7 +49,8 @@ static PetscErrorCode CheckBlocks(const MpmGradient *gradient, const char task[]
   const MpmInverseSettings *inverse = &gradient->inverse;
 
   PetscFunctionBeginUser;
-  MpmCheckInput(gradient->parameters.count, "-mpm_parameters is missing: -mpm_task %s needs parameters", task);
+  MpmCheckInput(gradient->parameters.count + gradient->grounds.count,
+                "-mpm_parameters is missing: -mpm_task %s needs parameters", task);
   MpmCheckInput(gradient->objectives.asked, "-mpm_objectives is missing: -mpm_task %s needs objectives", task);
   for (PetscInt k = 0; inverse->on && k < gradient->objectives.asked; k++)
     MpmCheckInput(gradient->objectives.at[k].kind == MPM_OBJECTIVE_MISFIT || inverse->method != MPM_GAUSS_NEWTON,
@@ -110,8 +112,16 @@ PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options, const 
     PetscCall(MpmGradientCheckUse(model));
     PetscCall(MpmGradientFindOpen(model, model->gradient->open));
   }
+  PetscCall(MpmFieldParametersCheck(model, &model->gradient->grounds));
+  MpmCheckInput(!model->gradient->grounds.count || !task || task == 1,
+                "-mpm_task %s: takes no fields yet as parameters; -mpm_task gradient does", tasks[task]);
+  if (model->gradient->checks && model->gradient->grounds.count) model->gradient->method = MPM_GRADIENT_ADJOINT;
   if (!kind) model->disc.grid->balance = PETSC_INFINITY; /* replayed steps have the numbers of their nodes */
   PetscCall(FindColumns(model));
+  MpmCheckInput(!model->gradient->grounds.count ||
+                  (!model->gradient->open[0] && model->gradient->method != MPM_GRADIENT_TWINS),
+                "-mpm_parameters: derivatives by fields have closed forms alone; there are none yet with %s",
+                model->gradient->open[0] ? model->gradient->open : "-mpm_gradient_method twins");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -120,6 +130,7 @@ PetscErrorCode MpmGradientDestroy(MpmGradient **gradient)
   PetscFunctionBeginUser;
   if (!*gradient) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParameterRangesDestroy(&(*gradient)->ranges));
+  PetscCall(MpmFieldParametersDestroy(&(*gradient)->grounds));
   PetscCall(MpmObjectivesDestroy(&(*gradient)->objectives));
   PetscCall(MpmTapeDestroy(&(*gradient)->tape));
   PetscCall(PetscFree((*gradient)->curves));
@@ -148,7 +159,7 @@ PetscBool MpmGradientAnyClosed(const MpmGradient *gradient)
 {
   for (PetscInt k = 0; k < gradient->parameters.count; k++)
     if (MpmGradientIsClosed(gradient, k)) return PETSC_TRUE;
-  return PETSC_FALSE;
+  return (PetscBool)(gradient->grounds.count && !gradient->open[0]);
 }
 
 PetscErrorCode MpmGradientCollect(MpmModel model)
@@ -198,6 +209,9 @@ PetscErrorCode MpmGradientRecord(MpmModel model)
   if (gradient->kind) PetscFunctionReturn((*gradient->kind->record)(model));
   if (!MpmGradientAnyClosed(gradient)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGradientFindOpened(model, gradient->open));
+  if (gradient->open[0] && gradient->grounds.count)
+    PetscCall(MpmOutcomeFail(&model->caller.outcome, MPM_OUTCOME_INADMISSIBLE,
+                             "there are no derivatives yet by fields with %s", gradient->open));
   if (gradient->open[0]) PetscCall(MpmTapeDestroy(&gradient->tape));
   else if (model->scene.stages.at[model->state.stage].geostatic.method == MPM_GEOSTATIC_NONE)
     PetscCall(MpmTapeRecord(model, gradient->rows - 1, &gradient->tape));
@@ -238,7 +252,7 @@ void MpmGradientSumSlopes(const MpmGradient *gradient, PetscReal values[])
 {
   const PetscInt rows = gradient->rows, count = gradient->objectives.count;
 
-  for (PetscInt k = 0; k < gradient->parameters.count; k++) {
+  for (PetscInt k = 0; k < gradient->parameters.count + gradient->grounds.direction_count; k++) {
     values[k] = 0.;
     for (PetscInt o = 0; o < count; o++)
       for (PetscInt n = 0; n < rows; n++)
@@ -270,12 +284,14 @@ PetscErrorCode MpmGradientFind(MpmModel model)
   MpmGradient    *gradient = model->gradient;
   MpmDerivatives *found    = &model->results->derivatives;
   const PetscInt  count    = gradient ? gradient->parameters.count : 0;
+  PetscInt        numbers;
 
   PetscFunctionBeginUser;
   if (!gradient || gradient->rows < 2) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmGradientEvaluate(model, &found->objective));
+  numbers = count + PetscMax(gradient->grounds.values, gradient->grounds.count * MPM_GROUND_CHECKS);
   PetscCall(PetscMalloc2(count, &found->names, count, &found->methods));
-  PetscCall(PetscCalloc2(count, &found->gradient, count, &found->errors));
+  PetscCall(PetscCalloc2(numbers + 1, &found->gradient, count, &found->errors));
   for (PetscInt k = 0; k < count; k++) {
     found->names[k]   = gradient->parameters.at[k].name;
     found->methods[k] = MpmGradientMethods[MpmGradientIsClosed(gradient, k) ? gradient->method : MPM_GRADIENT_TWINS];
@@ -285,7 +301,7 @@ PetscErrorCode MpmGradientFind(MpmModel model)
   if (!MpmGradientAnyClosed(gradient)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Differentiate(model, PETSC_FALSE, found->gradient));
   if (gradient->checks) {
-    PetscCall(PetscCalloc1(count, &found->tangent));
+    PetscCall(PetscCalloc1(numbers + 1, &found->tangent));
     PetscCall(Differentiate(model, PETSC_TRUE, found->tangent));
   }
   if (gradient->kind) PetscCall((*gradient->kind->finish)(model));

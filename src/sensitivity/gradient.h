@@ -6,6 +6,7 @@
 #include "query/point_vector.h"
 #include "query/inverse_settings.h"
 #include "sensitivity/measurement.h"
+#include "stepmap/ground_parameters.h"
 #include "sensitivity/objective.h"
 #include "query/parameter_range.h"
 #include "sensitivity/parameters.h"
@@ -43,15 +44,16 @@ struct MpmGradient {
   MpmInverseSettings     inverse;
   MpmSceneParameters     parameters;
   MpmParameterRanges     ranges;
+  MpmFieldParameters     grounds; /* fields; their values follow the parameters among all numbers */
   MpmObjectives          objectives;
   MpmTape                tape;
   MpmGradientStart       start;
   PetscReal             *curves; /* values of each objective's column: by step, its start first */
   PetscInt               rows;   /* steps so far, and the start */
   PetscReal             *times;
-  PetscReal             *weights;    /* derivatives of the objectives' sum by these values */
-  PetscReal             *slopes;     /* derivatives of the values by parameter k: [(k*rows + n)*objectives + o] */
-  PetscReal             *signatures; /* of each step's decisions */
+  PetscReal             *weights;             /* derivatives of the objectives' sum by these values */
+  PetscReal             *slopes;              /* derivatives of the values by number k: [(k*rows + n)*objectives + o] */
+  PetscReal             *signatures;          /* of each step's decisions */
   char                   open[MPM_OPEN_TEXT]; /* part without derivatives in closed form; empty: none */
 };
 

@@ -11,6 +11,7 @@
 typedef struct {
   const MpmMaterials *materials;
   const MpmLoads     *loads;
+  MpmFieldParameters *grounds; /* fields that are found */
 } Places;
 
 /* The parameter table's row of this name, or -1. */
@@ -33,7 +34,8 @@ static void FindInMaterials(const Places *places, const char option[], MpmSceneP
 
     if (strncmp(option, materials->names[m], length) || option[length] != '_') continue;
     row = FindRow(&material->info, &option[length + 1]);
-    if (row < 0 || material->info.parameters[row].kind > MPM_STRENGTH_ANGLE || material->varies) continue;
+    if (row < 0 || material->info.parameters[row].kind > MPM_STRENGTH_ANGLE || MpmMaterialVaries(material, row))
+      continue;
     parameter->kind    = MPM_OF_LAW;
     parameter->index   = m;
     parameter->place   = row;
@@ -98,6 +100,8 @@ static PetscErrorCode Add(const MpmOptions *options, const Places *places, const
   MpmSceneParameter *parameter;
 
   PetscFunctionBeginUser;
+  if (!strncmp(name, "field_", 6) && !strchr(name, '.'))
+    PetscFunctionReturn(MpmFieldParameterAdd(places->materials, &name[6], places->grounds));
   for (PetscInt k = 0; k < parameters->count; k++)
     MpmCheckInput(strcmp(parameters->at[k].name, name), "-mpm_parameters %s: is there twice", name);
   PetscCall(PetscRealloc((size_t)(parameters->count + 1) * sizeof(*parameters->at), &parameters->at));
@@ -139,9 +143,9 @@ static PetscErrorCode ReadShort(const MpmOptions *options, const Places *places,
 }
 
 PetscErrorCode MpmSceneParametersRead(const MpmOptions *options, const MpmMaterials *materials, const MpmLoads *loads,
-                                      MpmSceneParameters *parameters)
+                                      MpmFieldParameters *grounds, MpmSceneParameters *parameters)
 {
-  const Places places[] = {{materials, loads}};
+  const Places places[] = {{materials, loads, grounds}};
   PetscInt     count;
   char       **names;
 
@@ -149,18 +153,23 @@ PetscErrorCode MpmSceneParametersRead(const MpmOptions *options, const MpmMateri
   PetscCall(MpmOptionsBlocks(options, "parameters", "names of the numbers by which results are differentiated",
                              MPM_OPTIONAL, &count, &names));
   for (PetscInt k = 0; k < count; k++) {
-    char       prefix[256], *of;
+    char       prefix[256], *of, *field;
     MpmOptions block = {options->comm, prefix, options->record};
 
     PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_parameter_%s_", names[k]));
     PetscCall(MpmOptionsHeading(&block, "Parameter"));
+    PetscCall(MpmOptionsText(&block, "field", "instead of `of`: all values of a field of -mpm_fields", NULL,
+                             MPM_OPTIONAL, &field));
     PetscCall(
       MpmOptionsText(&block, "of",
                      "NAME.KEY: a number of a block, soil.E, or the factor of its magnitudes, tip.factor; KEY:2 or "
                      "KEY:y of several numbers; material_soil.E where several blocks have the name; several, at "
                      "commas: one number for all of them",
-                     NULL, MPM_REQUIRED, &of));
-    if (!MpmOptionsHelp()) PetscCall(AddNames(options, places, of, names[k], parameters));
+                     NULL, field ? MPM_OPTIONAL : MPM_REQUIRED, &of));
+    MpmCheckInput(!of || !field || MpmOptionsHelp(), "-%sfield %s: must be alone: of is given, too", prefix, field);
+    if (field && !MpmOptionsHelp()) PetscCall(MpmFieldParameterAdd(materials, field, grounds));
+    PetscCall(PetscFree(field));
+    if (of && !MpmOptionsHelp()) PetscCall(AddNames(options, places, of, names[k], parameters));
     PetscCall(PetscFree(of));
   }
   PetscCall(MpmNamesDestroy(count, &names));

@@ -4,8 +4,9 @@
 */
 #include "query/scene_parameter.h"
 #include "talus/talus.h"
+#include "stepmap/ground_parameters.h"
 
 /* Reads -mpm_parameters and their blocks, or the short form -mpm_gradient_parameters, of a scene that has been read. */
 PetscErrorCode MpmSceneParametersRead(const MpmOptions *options, const MpmMaterials *materials, const MpmLoads *loads,
-                                      MpmSceneParameters *parameters);
+                                      MpmFieldParameters *grounds, MpmSceneParameters *parameters);
 PetscErrorCode MpmSceneParametersDestroy(MpmSceneParameters *parameters);

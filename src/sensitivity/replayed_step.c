@@ -43,6 +43,7 @@ PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep
                            .sum        = disc->sum,
                            .particles  = model->state.particles,
                            .parameters = &model->gradient->parameters,
+                           .grounds    = &model->gradient->grounds,
                            .u          = step->u,
                            .constants  = MpmGradientConstants(model),
                            .load_count = loads,

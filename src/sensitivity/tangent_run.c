@@ -35,24 +35,27 @@ static PetscReal *Slopes(const MpmGradient *gradient, PetscInt n, PetscInt param
   return &gradient->slopes[(parameter * gradient->rows + gradient->tape.step[n].row) * gradient->objectives.count];
 }
 
-/* One parameter in one step: `start` becomes the step's end. */
-static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt parameter, const MpmStepMap *map,
+/* One number in one step: `start` becomes the step's end. */
+static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt number, const MpmStepMap *map,
                                 MpmPointVector *vector)
 {
   MpmGradient     *gradient = model->gradient;
   const PetscInt   count    = model->disc.space->local * model->disc.block;
   MpmPointVector   start = {0}, end = {0};
-  MpmStepDirection direction = {.start = &start, .parameter = parameter};
+  const PetscInt   field     = number - map->parameters->count;
+  MpmStepDirection direction = {.start     = &start,
+                                .parameter = field < 0 ? number : -1,
+                                .ground    = field < 0 ? NULL : &map->grounds->direction[field]};
   PetscReal       *residual, *du;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc2((count + 1), &residual, (count + 1), &du));
   PetscCall(MpmStepVectorCreate(map, &start));
   PetscCall(MpmStepVectorCreate(map, &end));
-  PetscCall(
-    MpmPointVectorMove(model->comm, !n && gradient->start.at ? &gradient->start.at[parameter] : vector, &start));
+  PetscCall(MpmPointVectorMove(model->comm,
+                               !n && gradient->start.at && field < 0 ? &gradient->start.at[number] : vector, &start));
   PetscCall(MpmPointVectorDestroy(vector));
-  MpmStageAlong(model, n, map, parameter, &start);
+  MpmStageAlong(model, n, map, direction.parameter, &start);
   PetscCall(MpmPointsAlong(map, &direction, residual, NULL));
   PetscCall(MpmLoadsAlong(map, &direction, residual));
   PetscCall(MpmGhostAlong(map, &direction, residual));
@@ -64,7 +67,7 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt parameter, 
   PetscCall(MpmLoadsAlong(map, &direction, residual));
   PetscCall(MpmGhostAlong(map, &direction, residual));
   MpmPointVectorAddConstant(&start, &end);
-  PetscCall(FindSlopes(model, &end, residual, Slopes(gradient, n, parameter)));
+  PetscCall(FindSlopes(model, &end, residual, Slopes(gradient, n, number)));
   *vector = end;
   PetscCall(MpmPointVectorDestroy(&start));
   PetscCall(PetscFree2(residual, du));
@@ -121,7 +124,7 @@ static PetscErrorCode StepAlongPack(MpmModel model, PetscInt n, PetscInt many, c
 /* All parameters in step n that have derivatives in closed form. */
 static PetscErrorCode StepAlongAll(MpmModel model, PetscInt n, const MpmStepMap *map, MpmPointVector vectors[])
 {
-  const PetscInt  count = model->gradient->parameters.count;
+  const PetscInt  count = model->gradient->parameters.count + model->gradient->grounds.direction_count;
   const PetscBool packs = MpmStepHasTable(map);
   PetscInt        which[MPM_PACK], many = 0;
 
@@ -141,10 +144,12 @@ static PetscErrorCode StepAlongAll(MpmModel model, PetscInt n, const MpmStepMap 
 PetscErrorCode MpmTangentRun(MpmModel model, PetscReal values[])
 {
   MpmGradient    *gradient = model->gradient;
-  const PetscInt  count    = gradient->parameters.count;
+  PetscInt        count;
   MpmPointVector *vectors;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmGroundDirectionsCreate(gradient->checks, &gradient->grounds));
+  count = gradient->parameters.count + gradient->grounds.direction_count;
   PetscCall(PetscCalloc1(count, &vectors));
   PetscCall(PetscFree(gradient->slopes));
   PetscCall(PetscCalloc1((count * gradient->rows * gradient->objectives.count), &gradient->slopes));

@@ -108,6 +108,8 @@ static PetscErrorCode EnterAlong(const MpmStepMap *map, const MpmGroup *group, P
     work->parameter[parameter->place] = 1.;
     at->direction.parameter           = work->parameter;
   }
+  if (direction->ground && MpmPointGroundEnter(map, direction->ground, p, work))
+    at->direction.parameter = work->parameter;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -115,6 +117,7 @@ static void LeaveAlong(const MpmStepMap *map, const MpmStepDirection *direction,
 {
   if (direction->parameter >= 0 && map->parameters->at[direction->parameter].kind == MPM_OF_LAW)
     work->parameter[map->parameters->at[direction->parameter].place] = 0.;
+  if (direction->ground) MpmPointGroundForget(map, direction->ground, work);
 }
 
 /* First pass: means; second: fluxes and the step's end. */

@@ -19,8 +19,8 @@ static PetscBool IsModulus(const MpmStepMap *map, const MpmSceneParameter *param
   return (PetscBool)!strcmp(map->sum->materials[parameter->index].info.parameters[parameter->place].name, "E");
 }
 
-/* Adds dK/dE u at the local nodes, E that of a material. */
-static PetscErrorCode AddByModulus(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscReal force[])
+/* Adds times dK/dE u at the local nodes, E that of a material. */
+static PetscErrorCode AddByModulus(const MpmStepMap *map, PetscInt material, PetscReal times, PetscReal force[])
 {
   const MpmMaterial *materials = map->sum->materials;
   const MpmFaces    *faces     = &map->sum->space->boxes.faces;
@@ -37,7 +37,7 @@ static PetscErrorCode AddByModulus(const MpmStepMap *map, const MpmSceneParamete
 
     *face       = faces->face[f];
     face->gamma = 0.;
-    face->stiffness *= face->material[side] == parameter->index ? 1. / parameter->value : 0.;
+    face->stiffness *= face->material[side] == material ? times / materials[material].moduli.penalty : 0.;
   }
   sum.space = &space;
   PetscCall(MpmTermGhost.apply(NULL, &sum, NULL, map->u, force));
@@ -48,11 +48,14 @@ static PetscErrorCode AddByModulus(const MpmStepMap *map, const MpmSceneParamete
 PetscErrorCode MpmGhostAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[])
 {
   const MpmSceneParameter *parameter = direction->parameter < 0 ? NULL : &map->parameters->at[direction->parameter];
+  const MpmFieldParameter *field     = direction->ground ? &map->grounds->at[direction->ground->index] : NULL;
 
   PetscFunctionBeginUser;
   if (!map->sum->space->boxes.faces.count) PetscFunctionReturn(PETSC_SUCCESS);
   if (direction->du) PetscCall(MpmTermGhost.apply(NULL, map->sum, NULL, direction->du, residual));
-  if (parameter && IsModulus(map, parameter)) PetscCall(AddByModulus(map, parameter, residual));
+  if (parameter && IsModulus(map, parameter)) PetscCall(AddByModulus(map, parameter->index, 1., residual));
+  if (field && field->modulus)
+    PetscCall(AddByModulus(map, field->material, direction->ground->change[field->largest], residual));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -81,8 +84,16 @@ PetscErrorCode MpmGhostPullStart(const MpmStepMap *map, const PetscReal lam[], P
   for (PetscInt k = 0; k < map->parameters->count; k++) {
     if (!IsModulus(map, &map->parameters->at[k])) continue;
     PetscCall(PetscArrayzero(force, count));
-    PetscCall(AddByModulus(map, &map->parameters->at[k], force));
+    PetscCall(AddByModulus(map, map->parameters->at[k].index, 1., force));
     for (PetscInt i = 0; i < count; i++) gradient[k] -= lam[i] * force[i];
+  }
+  for (PetscInt k = 0; k < map->grounds->count; k++) {
+    MpmFieldParameter *field = &map->grounds->at[k];
+
+    if (!field->modulus) continue;
+    PetscCall(PetscArrayzero(force, count));
+    PetscCall(AddByModulus(map, field->material, 1., force));
+    for (PetscInt i = 0; i < count; i++) field->by_largest -= lam[i] * force[i];
   }
   PetscCall(PetscFree(force));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -94,6 +94,17 @@ static PetscReal AmountBy(const Work *work, PetscInt k, PetscInt p)
   return work->factor * points->volume0[p];
 }
 
+/* Change with a field of the density, along a direction or (NULL) by 1 at the point. */
+static PetscReal AmountByGround(const Work *work, PetscInt k, const PetscReal along[], PetscInt p)
+{
+  const MpmFieldParameter *ground = &work->map->grounds->at[k];
+  const MpmPoints         *points = work->map->sum->points;
+  const PetscReal         *x      = &points->origin[p * work->map->sum->space->dim];
+
+  if (!ground->density || work->share || points->material[p] != ground->material) return 0.;
+  return work->factor * points->volume0[p] * (along ? MpmGroundAlong(ground->ground, along, x, points->id[p]) : 1.);
+}
+
 /* A point's weights into work->basis, and the derivatives that it has. */
 static PetscErrorCode Enter(Work *work, const MpmGroup *group, PetscInt p)
 {
@@ -140,6 +151,7 @@ static PetscErrorCode PointAlong(Work *work, const MpmStepDirection *direction, 
   PetscFunctionBeginUser;
   if (AmountField(work) != MPM_VECTOR_FIELDS) change = amount * MpmPointNumber(direction->start, AmountField(work), p);
   if (direction->parameter >= 0) change += AmountBy(work, direction->parameter, p);
+  if (direction->ground) change += AmountByGround(work, direction->ground->index, direction->ground->along, p);
   if (change != 0.)
     MpmWeightsAdd(MpmBasisWeights(&work->basis), work->at.group, sum, -change, work->load->value, residual);
   MpmPointSlopesAlong(&work->slopes, size, dx, dF, length, half);
@@ -204,6 +216,11 @@ static PetscErrorCode PointPull(Work *work, const PetscReal lam[], MpmPointVecto
   for (PetscInt k = 0; k < work->map->parameters->count; k++) gradient[k] += AmountBy(work, k, p) * value;
   if (AmountField(work) != MPM_VECTOR_FIELDS && start->size[AmountField(work)])
     start->at[AmountField(work)][p] += amount * value;
+  for (PetscInt k = 0; k < work->map->grounds->count; k++) {
+    const PetscReal by = AmountByGround(work, k, NULL, p);
+
+    if (by != 0.) MpmGroundTakePoint(&work->map->grounds->at[k], work->map->sum->points, dim, p, by * value);
+  }
   for (PetscInt k = 0; k < MPM_BY_COUNT * dim; k++) {
     const PetscInt a = k % dim;
 

@@ -75,6 +75,7 @@ PetscBool MpmStepHasTable(const MpmStepMap *map)
 
     if (kind != MPM_OF_LAW && kind != MPM_OF_LOAD && kind != MPM_OF_OPTION) return PETSC_FALSE;
   }
+  if (map->grounds && map->grounds->count) return PETSC_FALSE;
   if (map->constants.shapes || sum->space->cells.spread || sum->layout->kinematics == MPM_AXISYMMETRY)
     return PETSC_FALSE;
   return (PetscBool)(!sum->layout->rate.count && !sum->layout->deviation.count && !sum->kept.own);

@@ -90,6 +90,18 @@ PetscBool MpmPointHasParameter(const MpmStepMap *map, const MpmSceneParameter *p
   return (PetscBool)(parameter->kind == MPM_OF_LAW && parameter->index == map->sum->points->material[p]);
 }
 
+PetscBool MpmPointGroundEnter(const MpmStepMap *map, const MpmGroundDirection *direction, PetscInt p,
+                              MpmPointWork *work)
+{
+  return MpmGroundEnter(&map->grounds->at[direction->index], direction->along, map->sum->points, map->sum->space->dim,
+                        p, work->parameter);
+}
+
+void MpmPointGroundForget(const MpmStepMap *map, const MpmGroundDirection *direction, MpmPointWork *work)
+{
+  MpmGroundForget(&map->grounds->at[direction->index], work->parameter);
+}
+
 void MpmPointWorkGather(const MpmStepMap *map, const MpmGroup *group, const PetscReal other[], MpmPointWork *work)
 {
   work->known = KnownGeneral(map->sum->layout, group);
@@ -179,6 +191,26 @@ PetscErrorCode MpmPointPullInputs(const MpmStepMap *map, PetscInt p, const MpmKe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Derivatives by the fields' numbers at the point. */
+static PetscErrorCode PullGrounds(const MpmStepMap *map, PetscInt p, const MpmKernelPoint *point,
+                                  const MpmPointPull *pull, MpmPointWork *work)
+{
+  const MpmPoints *points = map->sum->points;
+  const PetscInt   dim    = map->sum->space->dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < map->grounds->count; k++) {
+    const MpmFieldParameter *ground = &map->grounds->at[k];
+    PetscReal                total;
+
+    if (!MpmGroundEnter(ground, NULL, points, dim, p, work->parameter)) continue;
+    PetscCall(Total(map, p, point, pull, &(MpmKernelDirection){.parameter = work->parameter}, &total, work));
+    MpmGroundForget(ground, work->parameter);
+    MpmGroundTakePoint(ground, points, dim, p, total);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmPointPullKernel(const MpmStepMap *map, PetscInt p, const MpmKernelPoint *point,
                                   const MpmPointPull *pull, MpmPointVector *start, PetscReal gradient[],
                                   MpmPointWork *work)
@@ -210,6 +242,7 @@ PetscErrorCode MpmPointPullKernel(const MpmStepMap *map, PetscInt p, const MpmKe
     work->parameter[parameter->place] = 0.;
     gradient[k] += total;
   }
+  PetscCall(PullGrounds(map, p, point, pull, work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

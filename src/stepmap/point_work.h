@@ -35,6 +35,10 @@ void MpmPointVolumeAlong(const MpmPointVector *start, PetscInt p, MpmPointWork *
 void MpmPointPullVolume(const PetscReal flux[], PetscInt p, const MpmPointWork *work, MpmPointVector *start);
 /* True where a parameter acts on the law of point p. */
 PetscBool MpmPointHasParameter(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscInt p);
+/* Likewise of a field along a direction: the change of the law's parameters at point p. */
+PetscBool MpmPointGroundEnter(const MpmStepMap *map, const MpmGroundDirection *direction, PetscInt p,
+                              MpmPointWork *work);
+void      MpmPointGroundForget(const MpmStepMap *map, const MpmGroundDirection *direction, MpmPointWork *work);
 /* The change of a point's weights and gradients with its place and F, into work->slope. */
 PetscErrorCode MpmPointWeightsAlong(const MpmStepMap *map, const MpmGroup *group, PetscInt p,
                                     const MpmPointVector *start, MpmPointWork *work);

@@ -48,7 +48,7 @@ static PetscErrorCode PointAlong(const MpmStepMap *map, const MpmGroup *group, P
   const MpmSum            *sum       = map->sum;
   const PetscReal         *dF        = &start->F[p * start->F_size];
   const MpmSceneParameter *parameter = direction->parameter < 0 ? NULL : &map->parameters->at[direction->parameter];
-  const PetscBool          acts      = (PetscBool)(parameter && MpmPointHasParameter(map, parameter, p));
+  PetscBool                acts      = (PetscBool)(parameter && MpmPointHasParameter(map, parameter, p));
   MpmKernelPoint           point;
   PetscReal                dinput[MPM_MAX_INPUTS];
 
@@ -58,13 +58,15 @@ static PetscErrorCode PointAlong(const MpmStepMap *map, const MpmGroup *group, P
   MpmSumInputs(work->known, sum->layout, work->u, &work->slope, dinput);
   for (PetscInt k = 0; direction->du && k < work->known.inputs; k++) dinput[k] += work->other_input[k];
   if (acts) work->parameter[parameter->place] = 1.;
+  if (direction->ground) acts = MpmPointGroundEnter(map, direction->ground, p, work);
   PetscCall(MpmPointDifferentiate(map, &point,
                                   &(MpmKernelDirection){.input     = dinput,
                                                         .parameter = acts ? work->parameter : NULL,
                                                         .state_n   = &start->state[p * start->state_size],
                                                         .F_n       = dF},
                                   work));
-  if (acts) work->parameter[parameter->place] = 0.;
+  if (parameter && acts) work->parameter[parameter->place] = 0.;
+  if (direction->ground) MpmPointGroundForget(map, direction->ground, work);
   MpmPointVolumeAlong(start, p, work);
   MpmSumAddFlux(work->known, sum->layout, &work->slope, work->flux, work->force);
   MpmSumAddFlux(work->known, sum->layout, &work->basis, work->dflux, work->force);

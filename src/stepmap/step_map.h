@@ -14,6 +14,7 @@
 #include "loads/load.h"
 #include "query/point_vector.h"
 #include "query/scene_parameter.h"
+#include "stepmap/ground_parameters.h"
 
 /* Parts of the scene's states that no step changes: displacements begin anew, initial shapes differ. */
 typedef struct {
@@ -28,6 +29,7 @@ typedef struct {
   const MpmSum             *sum;
   MpmParticles             *particles;
   const MpmSceneParameters *parameters;
+  const MpmFieldParameters *grounds;
   const PetscReal          *u; /* at the local nodes */
   MpmStepConstants          constants;
   PetscInt                  load_count;
@@ -38,9 +40,10 @@ typedef struct {
 
 /* A direction: of the state, of one parameter (-1: none), of the solution (NULL: none). */
 typedef struct {
-  const MpmPointVector *start;
-  PetscInt              parameter;
-  const PetscReal      *du;
+  const MpmPointVector     *start;
+  PetscInt                  parameter;
+  const PetscReal          *du;
+  const MpmGroundDirection *ground; /* of a field; NULL: none */
 } MpmStepDirection;
 
 /* A vector over the states of points, and of the step's points. */
