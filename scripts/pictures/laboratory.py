@@ -109,7 +109,7 @@ def draw_curve(axes, sources, names, x, y):
 
 def plot_laboratory(results, measurements=None, title=None, theory=None):
     """The figure; `measurements` is the name of a CSV file, `theory` columns of a closed form."""
-    if results.option("mpm_tests", ""):
+    if results.is_given("mpm_tests"):
         raise ResultsError("several tests: draw one that has a scene of its own")
     test = read_test(results)
     sources = (test, theory, read_measurements(measurements) if measurements else None)

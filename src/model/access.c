@@ -71,10 +71,19 @@ PetscErrorCode MpmModelGetReaction(MpmModel model, const char name[], PetscReal 
 
 /* ---- points ---- */
 
+/* The model has been set up, and has points. */
+static PetscErrorCode CheckPoints(const MpmModel model)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!model->laboratory, PETSC_COMM_SELF, PETSC_ERR_SUP, "a stress point has no points of a grid");
+  PetscCheck(model->caller.set_up, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModelGetPointCount(MpmModel model, PetscInt *local, PetscInt *total)
 {
   PetscFunctionBeginUser;
-  PetscCheck(model->caller.set_up, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
+  PetscCall(CheckPoints(model));
   if (local) PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, local));
   if (total) *total = (PetscInt)model->state.particles->total;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -88,7 +97,7 @@ static PetscErrorCode FindField(MpmModel model, const char name[], PetscInt *com
   PetscBool                ours    = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  PetscCheck(model->caller.set_up, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
+  PetscCall(CheckPoints(model));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(names); k++) ours = (PetscBool)(ours || !strcmp(names[k], name));
   *components = 0;
   for (PetscInt k = 0; ours && k < points->field_count; k++)
@@ -123,7 +132,7 @@ PetscErrorCode MpmModelRestorePoints(MpmModel model, const char name[], PetscInt
 static PetscErrorCode GetIntegers(MpmModel model, const char name[], const PetscInt **array)
 {
   PetscFunctionBeginUser;
-  PetscCheck(model->caller.set_up, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONGSTATE, "MpmModelSetUp() comes first");
+  PetscCall(CheckPoints(model));
   PetscCall(MpmParticlesGetField(model->state.particles, name, array));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
