@@ -42,7 +42,7 @@ PetscErrorCode MpmBasalPrintHelp(const MpmOptions *block)
     MpmLawTable table;
     double      unused;
 
-    PetscCall(PetscSNPrintf(title, sizeof(title), "Material of type %s, with -mpm_physics depth_averaged: %s",
+    PetscCall(PetscSNPrintf(title, sizeof(title), "Material of type %s: %s",
                             laws[k]->name, laws[k]->summary));
     PetscCall(MpmOptionsHeading(block, title));
     for (size_t i = 0; i < laws[k]->parameter_count; i++) {

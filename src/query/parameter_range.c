@@ -124,14 +124,21 @@ static PetscErrorCode Group(const MpmSceneParameters *parameters, MpmParameterRa
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmParameterRangePrintHelp(const MpmOptions *block)
+{
+  PetscFunctionBeginUser;
+  PetscCall(ReadRange(block, &(MpmParameterRange){0}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmParameterRangesRead(const MpmOptions *options, const MpmSceneParameters *parameters,
                                       MpmParameterRanges *ranges)
 {
-  char       prefix[256] = "mpm_parameter_NAME_";
-  MpmOptions block       = {options->comm, prefix, options->record};
+  char       prefix[256];
+  MpmOptions block = {options->comm, prefix, options->record};
 
   PetscFunctionBeginUser;
-  if (MpmOptionsHelp()) PetscFunctionReturn(ReadRange(&block, &(MpmParameterRange){0}));
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Group(parameters, ranges));
   for (PetscInt k = 0; k < ranges->count; k++) {
     if (!parameters->at[ranges->at[k].of[0]].block) continue;

@@ -26,6 +26,8 @@ typedef struct {
   MpmParameterRange *at;
 } MpmParameterRanges;
 
+/* For -help: the options of a block. */
+PetscErrorCode MpmParameterRangePrintHelp(const MpmOptions *block);
 /* Reads transforms and bounds of the blocks of -mpm_parameters, once the parameters are there. */
 PetscErrorCode MpmParameterRangesRead(const MpmOptions *options, const MpmSceneParameters *parameters,
                                       MpmParameterRanges *ranges);

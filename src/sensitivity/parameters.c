@@ -5,6 +5,7 @@
 #include "options/options.h"
 #include "point/material.h"
 #include "loads/load.h"
+#include "query/parameter_range.h"
 #include "sensitivity/parameters.h"
 
 /* Blocks whose numbers have derivatives in closed form. */
@@ -166,6 +167,7 @@ PetscErrorCode MpmSceneParametersRead(const MpmOptions *options, const MpmMateri
                      "KEY:y of several numbers; material_soil.E where several blocks have the name; several, at "
                      "commas: one number for all of them",
                      NULL, field ? MPM_OPTIONAL : MPM_REQUIRED, &of));
+    if (MpmOptionsHelp()) PetscCall(MpmParameterRangePrintHelp(&block));
     MpmCheckInput(!of || !field || MpmOptionsHelp(), "-%sfield %s: must be alone: of is given, too", prefix, field);
     if (field && !MpmOptionsHelp()) PetscCall(MpmFieldParameterAdd(materials, field, grounds));
     PetscCall(PetscFree(field));
