@@ -42,8 +42,7 @@ PetscErrorCode MpmBasalPrintHelp(const MpmOptions *block)
     MpmLawTable table;
     double      unused;
 
-    PetscCall(PetscSNPrintf(title, sizeof(title), "Material of type %s: %s",
-                            laws[k]->name, laws[k]->summary));
+    PetscCall(PetscSNPrintf(title, sizeof(title), "Material of type %s: %s", laws[k]->name, laws[k]->summary));
     PetscCall(MpmOptionsHeading(block, title));
     for (size_t i = 0; i < laws[k]->parameter_count; i++) {
       PetscCall(MpmParameterRead(&unrecorded, &laws[k]->parameters[i], &unused, &table));
