@@ -84,7 +84,7 @@ def check_scene(test):
     for place, value in (("grid/cels", 1), ("material_soil/nu", 0.7), ("material_soil/type", "jelly"), ("time/step", -1), ("shape", "round"),
                          ("grid/lower", [0, "a"]), ("colour", "red"), ("bc_base/region", "corner")):
         said = refusal(scene.changed(**{place.replace("/", "_"): value}).check)
-        test.check(f"refused.{place}", said.startswith("mpm/" + place.removesuffix("/type")) and len(said) < 250, 1, 1)
+        test.check(f"refused.{place}", said.startswith("mpm/" + place.removesuffix("/type")) and len(said) < 350, 1, 1)
     test.check("refused.nearest", "the nearest is cells" in refusal(scene.changed(grid_cels=1).check), 1, 1)
     for name, source in (("none", {"a": 1}), ("missing", "nowhere.yaml"), ("twice", {"mpm": {"grid_cells": 1, "grid": {"cells": 1}}})):
         test.check(f"refused.{name}", refusal(lambda source=source: talus.Scene(source)) != "accepted", 1, 1)
