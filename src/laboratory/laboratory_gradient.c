@@ -15,17 +15,6 @@
 
 /* ---- parameters ---- */
 
-/* A direction along a parameter, and those of the law that have its value as long as the scene gives them none. */
-static void FillDirection(const MpmMaterial *material, PetscInt place, PetscReal value, double direction[])
-{
-  const MpmParameter *parameters = material->info.parameters;
-
-  direction[place] = value;
-  for (size_t k = 0; k < material->info.parameter_count; k++)
-    if (parameters[k].same_as && !material->set[k] && !strcmp(parameters[k].same_as, parameters[place].name))
-      FillDirection(material, (PetscInt)k, value, direction);
-}
-
 /* True where a test's material has the parameter. */
 static PetscBool Acts(const MpmSceneParameter *parameter, const MpmLaboratoryTest *test)
 {
@@ -154,7 +143,7 @@ static PetscErrorCode Along(MpmModel model, const MpmStressPointSlopes slopes[],
   PetscFunctionBeginUser;
   PetscCall(PetscArrayzero(change, laboratory->size));
   PetscCall(PetscCalloc1((PetscInt)material->info.parameter_count, &direction));
-  FillDirection(material, parameter->place, 1., direction);
+  MpmMaterialDirection(material, parameter->place, 1., 1, direction);
   for (PetscInt t = 0; t < laboratory->count && !outcome->code; t++) {
     const MpmLaboratoryTest *test = &laboratory->tests[t];
 

@@ -95,6 +95,17 @@ PetscBool MpmMaterialIsFaultyWith(const MpmMaterial *material, const char *param
   return PETSC_FALSE;
 }
 
+void MpmMaterialDirection(const MpmMaterial *material, PetscInt place, PetscReal value, PetscInt stride,
+                          double direction[])
+{
+  const MpmParameter *parameters = material->info.parameters;
+
+  direction[place * stride] = value;
+  for (size_t k = 0; k < material->info.parameter_count; k++)
+    if (parameters[k].same_as && !material->set[k] && !strcmp(parameters[k].same_as, parameters[place].name))
+      MpmMaterialDirection(material, (PetscInt)k, value, stride, direction);
+}
+
 /* ---- strength ---- */
 
 PetscBool MpmMaterialHasStrength(const MpmMaterial *material)

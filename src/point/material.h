@@ -77,6 +77,10 @@ PetscErrorCode MpmMaterialPrepare(const MpmPhysics *physics, PetscInt dim, Petsc
 PetscErrorCode MpmMaterialDestroy(MpmMaterial *material);
 /* Divides all strengths that the scene gives by a factor > 0, angles by their tangents; the other parameters stay. */
 void MpmMaterialReduce(MpmMaterial *material, PetscReal factor);
+/* A value for the parameter at a place of the law's table, and for those that have its value as long as the scene gives
+   them none; direction[place*stride] and so on. */
+void MpmMaterialDirection(const MpmMaterial *material, PetscInt place, PetscReal value, PetscInt stride,
+                          double direction[]);
 /* True where it has a strength that can be reduced: neither zero nor infinite. */
 PetscBool MpmMaterialHasStrength(const MpmMaterial *material);
 /* True where the parameters in force are out of range, or contradictory; `why` then names one: "dilation 40: must be

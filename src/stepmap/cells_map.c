@@ -105,8 +105,8 @@ static PetscErrorCode EnterAlong(const MpmStepMap *map, const MpmGroup *group, P
   at->direction                  = (MpmKernelDirection){
                      .input = at->dinput, .state_n = &start->state[p * start->state_size], .F_n = &start->F[p * start->F_size]};
   if (parameter && MpmPointHasParameter(map, parameter, p)) {
-    work->parameter[parameter->place] = 1.;
-    at->direction.parameter           = work->parameter;
+    MpmPointSetDirection(map, parameter, 1., work);
+    at->direction.parameter = work->parameter;
   }
   if (direction->ground && MpmPointGroundEnter(map, direction->ground, p, work))
     at->direction.parameter = work->parameter;
@@ -116,7 +116,7 @@ static PetscErrorCode EnterAlong(const MpmStepMap *map, const MpmGroup *group, P
 static void LeaveAlong(const MpmStepMap *map, const MpmStepDirection *direction, MpmPointWork *work)
 {
   if (direction->parameter >= 0 && map->parameters->at[direction->parameter].kind == MPM_OF_LAW)
-    work->parameter[map->parameters->at[direction->parameter].place] = 0.;
+    MpmPointSetDirection(map, &map->parameters->at[direction->parameter], 0., work);
   if (direction->ground) MpmPointGroundForget(map, direction->ground, work);
 }
 

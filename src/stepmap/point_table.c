@@ -25,15 +25,34 @@ static PetscErrorCode FindPlaces(const MpmStepMap *map, PetscInt material, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Unit directions for `count` numbers from a column on, number k having the place place[k] (NULL: k) among `size`. */
-static void Seed(const PetscInt place[], PetscInt first, PetscInt count, PetscInt pack, PetscReal seeds[],
-                 const PetscReal **direction)
-{
-  const PetscInt begin = PetscMax(pack * MPM_PACK, first), end = PetscMin((pack + 1) * MPM_PACK, first + count);
+/* The columns of a pack among `count` from `first` on. */
+typedef struct {
+  PetscInt begin, end;
+} Part;
 
-  for (PetscInt c = begin; c < end; c++)
-    seeds[(place ? place[c - first] : c - first) * MPM_PACK + c - pack * MPM_PACK] = 1.;
-  *direction = begin < end ? seeds : NULL;
+static Part PartOf(PetscInt first, PetscInt count, PetscInt pack)
+{
+  return (Part){PetscMax(pack * MPM_PACK, first), PetscMin((pack + 1) * MPM_PACK, first + count)};
+}
+
+/* Unit directions for `count` numbers from a column on. */
+static void Seed(PetscInt first, PetscInt count, PetscInt pack, PetscReal seeds[], const PetscReal **direction)
+{
+  const Part part = PartOf(first, count, pack);
+
+  for (PetscInt c = part.begin; c < part.end; c++) seeds[(c - first) * MPM_PACK + c % MPM_PACK] = 1.;
+  *direction = part.begin < part.end ? seeds : NULL;
+}
+
+/* Directions along the parameters at these places. */
+static void SeedParameters(const MpmMaterial *material, const PetscInt place[], PetscInt first, PetscInt count,
+                           PetscInt pack, PetscReal seeds[], const PetscReal **direction)
+{
+  const Part part = PartOf(first, count, pack);
+
+  for (PetscInt c = part.begin; c < part.end; c++)
+    MpmMaterialDirection(material, place[c - first], 1., MPM_PACK, &seeds[c % MPM_PACK]);
+  *direction = part.begin < part.end ? seeds : NULL;
 }
 
 static PetscErrorCode ColumnsCreate(const MpmStepMap *map, PetscInt inputs, PetscInt material,
@@ -57,11 +76,11 @@ static PetscErrorCode ColumnsCreate(const MpmStepMap *map, PetscInt inputs, Pets
     PetscReal          *seeds = &columns->seeds[k * size * MPM_PACK];
 
     pack->count = MPM_PACK;
-    Seed(NULL, 0, inputs, k, seeds, &pack->input);
-    Seed(NULL, columns->F, F, k, &seeds[inputs * MPM_PACK], &pack->F_n);
-    Seed(NULL, columns->state, of->state_size, k, &seeds[(inputs + F) * MPM_PACK], &pack->state_n);
-    Seed(columns->place, columns->parameter, parameters, k, &seeds[(inputs + F + of->state_size) * MPM_PACK],
-         &pack->parameter);
+    Seed(0, inputs, k, seeds, &pack->input);
+    Seed(columns->F, F, k, &seeds[inputs * MPM_PACK], &pack->F_n);
+    Seed(columns->state, of->state_size, k, &seeds[(inputs + F) * MPM_PACK], &pack->state_n);
+    SeedParameters(of, columns->place, columns->parameter, parameters, k,
+                   &seeds[(inputs + F + of->state_size) * MPM_PACK], &pack->parameter);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

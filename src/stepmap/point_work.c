@@ -85,6 +85,12 @@ void MpmPointPullVolume(const PetscReal flux[], PetscInt p, const MpmPointWork *
     start->at[MPM_VECTOR_VOLUME][p] -= flux[k] * work->other_input[k];
 }
 
+void MpmPointSetDirection(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscReal value,
+                          MpmPointWork *work)
+{
+  MpmMaterialDirection(&map->sum->materials[parameter->index], parameter->place, value, 1, work->parameter);
+}
+
 PetscBool MpmPointHasParameter(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscInt p)
 {
   return (PetscBool)(parameter->kind == MPM_OF_LAW && parameter->index == map->sum->points->material[p]);
@@ -237,9 +243,9 @@ PetscErrorCode MpmPointPullKernel(const MpmStepMap *map, PetscInt p, const MpmKe
     const MpmSceneParameter *parameter = &map->parameters->at[k];
 
     if (!MpmPointHasParameter(map, parameter, p)) continue;
-    work->parameter[parameter->place] = 1.;
+    MpmPointSetDirection(map, parameter, 1., work);
     PetscCall(Total(map, p, point, pull, &(MpmKernelDirection){.parameter = work->parameter}, &total, work));
-    work->parameter[parameter->place] = 0.;
+    MpmPointSetDirection(map, parameter, 0., work);
     gradient[k] += total;
   }
   PetscCall(PullGrounds(map, p, point, pull, work));

@@ -33,6 +33,9 @@ PetscErrorCode MpmPointDifferentiate(const MpmStepMap *map, const MpmKernelPoint
 void MpmPointVolumeAlong(const MpmPointVector *start, PetscInt p, MpmPointWork *work);
 /* The change of L with it through the point's own fluxes, added to `start`. */
 void MpmPointPullVolume(const PetscReal flux[], PetscInt p, const MpmPointWork *work, MpmPointVector *start);
+/* A parameter's direction among those of the law of its points: 1, or 0 again. */
+void MpmPointSetDirection(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscReal value,
+                          MpmPointWork *work);
 /* True where a parameter acts on the law of point p. */
 PetscBool MpmPointHasParameter(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscInt p);
 /* Likewise of a field along a direction: the change of the law's parameters at point p. */

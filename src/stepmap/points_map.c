@@ -57,7 +57,7 @@ static PetscErrorCode PointAlong(const MpmStepMap *map, const MpmGroup *group, P
   PetscCall(MpmPointWeightsAlong(map, group, p, start, work));
   MpmSumInputs(work->known, sum->layout, work->u, &work->slope, dinput);
   for (PetscInt k = 0; direction->du && k < work->known.inputs; k++) dinput[k] += work->other_input[k];
-  if (acts) work->parameter[parameter->place] = 1.;
+  if (acts) MpmPointSetDirection(map, parameter, 1., work);
   if (direction->ground) acts = MpmPointGroundEnter(map, direction->ground, p, work);
   PetscCall(MpmPointDifferentiate(map, &point,
                                   &(MpmKernelDirection){.input     = dinput,
@@ -65,7 +65,7 @@ static PetscErrorCode PointAlong(const MpmStepMap *map, const MpmGroup *group, P
                                                         .state_n   = &start->state[p * start->state_size],
                                                         .F_n       = dF},
                                   work));
-  if (parameter && acts) work->parameter[parameter->place] = 0.;
+  if (parameter && acts) MpmPointSetDirection(map, parameter, 0., work);
   if (direction->ground) MpmPointGroundForget(map, direction->ground, work);
   MpmPointVolumeAlong(start, p, work);
   MpmSumAddFlux(work->known, sum->layout, &work->slope, work->flux, work->force);

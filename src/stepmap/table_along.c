@@ -140,8 +140,8 @@ MpmKernelDirection MpmAlongDirection(const MpmStepMap *map, const MpmStepDirecti
     const MpmSceneParameter *parameter = &map->parameters->at[directions->of[j].parameter];
 
     if (!MpmPointHasParameter(map, parameter, p)) continue;
-    work->parameter[parameter->place * MPM_PACK + j] = 1.;
-    direction.parameter                              = work->parameter;
+    MpmMaterialDirection(material, parameter->place, 1., MPM_PACK, &work->parameter[j]);
+    direction.parameter = work->parameter;
   }
   return direction;
 }

@@ -44,6 +44,17 @@ with Test() as test:
     test.near("footing_drained.friction", gradient[2], -19149.35422, relative=1e-7)
     test.near("footing_drained.dilation", gradient[3], -207.7852, relative=2e-6)
 
+    # friction left after softening is that before, unless given: a number that others follow, in all forms of the means
+    soft = {"mpm_grid_cells": "17,6", "mpm_time_end": 0.2, "mpm_material_soil_softening_strain": 0.02,
+            "mpm_material_soil_cohesion_residual": 2e3, "mpm_material_soil_dilation": 10}
+    for means in ("true", "false", "spread"):
+        ends = [differentiate(test, example("footing_drained"), "soil.friction", "reaction_footing_y", mpm_stabilization_fbar=means,
+                              **{**soft, "mpm_material_soil_friction": repr(30 * (1 + step))})[0] for step in (-1e-5, 1e-5)]
+        for method in ("adjoint", "tangent"):
+            _, gradient = differentiate(test, example("footing_drained"), "soil.friction", "reaction_footing_y", method,
+                                        mpm_stabilization_fbar=means, **soft)
+            test.near(f"soft.{means}.{method}", gradient[0], (ends[1] - ends[0]) / 60e-5, relative=1e-6)
+
     # a geostatic start, then stages: bodies go, other loads act, displacements begin anew
     names = "soil.E,soil.cohesion,soil.density,crest.factor,weight.factor"
     steps = {"mpm_grid_cells": "24,11", "mpm_stage_load_time_step": 0.1}
