@@ -47,7 +47,6 @@ PetscBool MpmLightNodesExist(const MpmModel model)
   const PetscReal *mass = model->disc.context.inertia->mass, least = LeastMass(model, LIGHT_AFFINE);
 
   if (MpmExplicitIsLinear(model)) return PETSC_TRUE;
-  if (model->scene.deformation.bed) return PETSC_FALSE; /* columns have any mass, and no stiffness at their ends */
   for (PetscInt i = 0; i < model->disc.space->local; i++)
     if (mass[i] < least && mass[i] > 0.) return PETSC_TRUE;
   return PETSC_FALSE;

@@ -210,6 +210,8 @@ PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, con
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
+  MpmCheckInput(!body->imported || MpmOptionsHelp(),
+                "-%sregion file: points on a bed are made from a region with a depth or a level", block.prefix);
   PetscCall(MpmBodyDepthCreate(&block, bed, shape, edge, &body->depth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -91,6 +91,7 @@ PetscErrorCode MpmBodyInitialCreate(const MpmOptions *block, const MpmMaterial *
   PetscCall(PetscNew(initial));
   (*initial)->material = material;
   PetscCall(PetscCalloc1((PetscInt)info->state_count + 1, &(*initial)->profile));
+  if (material->basal) PetscFunctionReturn(PETSC_SUCCESS); /* columns have the body's depth */
   for (size_t v = 0; v < info->state_count; v++)
     if (info->states[v].kind == MPM_STATE_SCALAR) {
       PetscCall(ReadProfile(block, &info->states[v], &(*initial)->profile[v]));

@@ -4,7 +4,10 @@
 #include "talus/point/basal.h"
 #include "options/options.h"
 #include "grid/grid.h"
+#include "loads/body_surface.h"
 #include "loads/load.h"
+#include "pairs/body_contact.h"
+#include "rigid/rigid.h"
 #include "terrain/bed_flow.h"
 #include "query/model.h"
 #include "scene/terrain_read.h"
@@ -47,6 +50,12 @@ PetscErrorCode MpmTerrainCheck(const MpmModel model)
                     stage->geostatic.method == MPM_GEOSTATIC_NONE,
                   "-mpm_physics %s: -mpm_time_integrator must be explicit in all stages", scene->physics.name);
   }
+  MpmCheckInput(!scene->boundaries->count && !scene->pairs->count && !scene->surfaces->count,
+                "-mpm_%s: there are none yet with -mpm_physics %s",
+                scene->boundaries->count ? "boundaries"
+                : scene->pairs->count    ? "contacts"
+                                         : "surfaces",
+                scene->physics.name);
   for (PetscInt l = 0; l < scene->loads->count; l++)
     MpmCheckInput(scene->loads->at[l].type != MPM_LOAD_GRAVITY,
                   "-mpm_load_%s_type gravity: weight is there already, by the materials' gravity",

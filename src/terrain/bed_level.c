@@ -7,18 +7,14 @@
 #include "terrain/bed_flow.h"
 
 #define HALF 8 /* places in a cell, an axis, that tell how much of it a level wets */
-/* Filled parts of what a level would wet between which its balance begins to count. Measured: between 0.85 and 0.95 a
-   dam that breaks keeps its front, and a lake whose points fill nine tenths of it rests. */
+/* Filled parts of what a level would wet between which its balance begins to count: the domains of a lake's points fill
+   all of it, those at a front a half or less. */
 #define BALANCE_FROM  0.85
 #define BALANCE_WHOLE 0.95
-/* The wet part of a support between which it begins to count as all of it. */
-#define WHOLE_FROM 0.96
-/* Slope of the surface over that of the bed, about a node: up to which the balance counts wholly, and from which it
-   counts no more; and between which the tilt of pressure along a slope begins. A flow of even depth has 1, a lake 0. */
-#define EVEN       0.1
-#define EVEN_BELOW 0.3
-#define TILT_FROM  0.02
-#define TILT_WHOLE 0.05
+/* Slope of the surface over that of the bed, about a node: up to which it is level, and from which it is not. A flow of
+   even depth has 1, a lake 0. */
+#define LEVEL_TO  0.02
+#define TILT_FROM 0.05
 
 /* The bed at a node and its neighbours, z[1 + dx][1 + dy]; beyond the grid that of the edge. */
 static void Around(const MpmGrid *grid, const MpmBed *bed, const PetscInt node[], PetscReal z[3][3])
@@ -131,17 +127,18 @@ void MpmBedFindLevels(const MpmSum *sum, MpmBedFlow *flow)
   for (PetscInt i = 0; i < sum->space->local; i++) {
     const PetscReal *sums = &flow->sums[i * MPM_BED_SUMS], *steep = &flow->steep[i * MPM_STEEP_COUNT];
     const PetscInt  *node  = &sum->space->node[i * 2];
-    PetscReal       *level = &flow->level[i * MPM_LEVEL_COUNT], z[3][3], slope[2], uneven;
+    PetscReal       *level = &flow->level[i * MPM_LEVEL_COUNT], z[3][3], slope[2], even;
 
     if (!(sums[MPM_BED_VOLUME] > 0.)) continue;
-    uneven = steep[MPM_STEEP_BED] > 0. ? PetscSqrtReal(steep[MPM_STEEP_SURFACE] / steep[MPM_STEEP_BED]) : 0.;
-    if (flow->bed->normal) level[MPM_LEVEL_TILT] = Blend(uneven, TILT_FROM, TILT_WHOLE);
-    if (uneven >= EVEN_BELOW) continue;
+    even = 1.;
+    if (steep[MPM_STEEP_BED] > 0.)
+      even = Blend(PetscSqrtReal(steep[MPM_STEEP_SURFACE] / steep[MPM_STEEP_BED]), TILT_FROM, LEVEL_TO);
+    if (flow->bed->normal) level[MPM_LEVEL_TILT] = 1. - even;
+    if (even == 0.) continue;
     for (PetscInt a = 0; a < 2; a++) slope[a] = sums[MPM_BED_SLOPE + a] / sums[MPM_BED_MASS];
     Around(sum->grid, flow->bed, node, z);
-    level[MPM_LEVEL_PART] =
-      Balance(sum->grid, node, z, level[MPM_LEVEL], sums, slope) * Blend(uneven, EVEN_BELOW, EVEN);
+    level[MPM_LEVEL_PART] = Balance(sum->grid, node, z, level[MPM_LEVEL], sums, slope) * even;
     level[MPM_LEVEL_WET] =
-      Blend(WetPart(sum->grid, node, z, level[MPM_LEVEL]), WHOLE_FROM, 1.) * MpmBedCosine2(flow->bed, slope);
+      Blend(WetPart(sum->grid, node, z, level[MPM_LEVEL]), BALANCE_WHOLE, 1.) * MpmBedCosine2(flow->bed, slope);
   }
 }

@@ -94,6 +94,36 @@ def lake(test, name, function, slope, ranks):
     test.check(f"lake.{name}.{slope}.{ranks}", float(abs(state["velocity"]).max()) / math.sqrt(G), 0, 1e-9)
 
 
+SLIDE = """mpm:
+  dim: 2
+  physics: depth_averaged
+  bed: "0,-0.5,0.1"
+  grid: {lower: "0,0", upper: "400,160", cells: "50,20"}
+  materials: mud
+  material_mud: {type: voellmy, mu: 0.155, xi: 1750, density: 1300}
+  bodies: flow
+  body_flow: {region: sphere, center: "60,80", radius: 20, points_per_cell: "3,3", material: mud, depth: 2}
+  time: {integrator: explicit, end: 5}
+  output: {every: 0}
+  quiet: true
+"""
+
+
+def slide(test):
+    """A slide in both directions: on ranks, and from a checkpoint, as in one go; mass and volume stay."""
+    folder = test.folder()
+    (folder / "slide.yaml").write_text(SLIDE)
+    whole = test.run(folder / "slide.yaml", mpm_checkpoint_every=20)
+    state = whole.results.state("last")
+    ranks = test.run(folder / "slide.yaml", ranks=3).results.state("last")
+    test.check("slide.ranks", float(abs(ranks["position"] - state["position"]).max()), 0, 1e-9)
+    path = sorted(whole.folder.glob("*checkpoint*.h5"))[0]
+    again = test.run(folder / "slide.yaml", mpm_restart=path).results.state("last")
+    test.check("slide.restart", float(abs(again["position"] - state["position"]).max()), 0, 1e-12)
+    test.near("slide.mass", float(state["mass"].sum()), 1300 * float(state["volume"].sum()), relative=1e-12)
+    test.check("slide.moves", float(state["position"][:, 0].mean()) - 60, 10, 60)
+
+
 def bumpy(x, y):
     return 0.2 * math.sin(2 * math.pi * x / 5) * math.cos(2 * math.pi * y / 3) + 0.1 * math.sin(2 * math.pi * x / 2.5 + 1)
 
@@ -174,6 +204,14 @@ with Test() as test:
         lake(test, "bumpy", bumpy, slope, 1)
         lake(test, "shore", shore, slope, 3)
 
+    slide(test)
+
+    points = test.folder() / "points.csv"
+    points.write_text("x,y,volume\n-0.5,0.25,0.1\n")
+    refuse(test, "file", "points on a bed are made from", mpm_body_left_region="file", mpm_body_left_file=points)
+    refuse(test, "history", "initial_depth: unknown option", mpm_body_left_initial_depth=2)
+    refuse(test, "boundary", "there are none yet", mpm_boundaries="ball", mpm_boundary_ball_type="sphere",
+           mpm_boundary_ball_center="0,0", mpm_boundary_ball_radius=1)
     refuse(test, "implicit", "must be explicit", "quasistatic, step: 0.1")
     refuse(test, "law", "must be one of", mpm_material_mud_type="j2")
     refuse(test, "depth", "must be > 0", mpm_body_left_depth=-1)
