@@ -45,9 +45,8 @@ PetscReal MpmInverseSize(const MpmInverse *inverse, const PetscReal t[], PetscIn
 /* Brings t between the bounds. */
 void MpmInverseClip(const MpmInverse *inverse, PetscReal t[]);
 
-/* Rows of PREFIX_inverse.csv, where the analysis goes on from them; and the file, with these rows first. */
+/* Rows of PREFIX_inverse.csv, where the analysis goes on from them; they come first in the new file. */
 PetscErrorCode MpmTraceRead(MpmInverse *inverse);
-PetscErrorCode MpmTraceOpen(MpmInverse *inverse);
 PetscErrorCode MpmTraceClose(MpmInverse *inverse);
 /* Point k, from 1 on, of a sequence that fills the bounds evenly. */
 void MpmInverseStart(const MpmInverse *inverse, PetscInt k, PetscReal t[]);

@@ -76,7 +76,7 @@ PetscErrorCode MpmTraceRead(MpmInverse *inverse)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTraceOpen(MpmInverse *inverse)
+static PetscErrorCode Open(MpmInverse *inverse)
 {
   const MpmCsvTable *table = &inverse->earlier.table;
   char               path[PETSC_MAX_PATH_LEN];
@@ -131,7 +131,7 @@ PetscErrorCode MpmInverseReport(MpmInverse *inverse, PetscInt iteration, const M
   PetscFunctionBeginUser;
   inverse->iteration = iteration;
   *stop              = (PetscBool)(inverse->interrupted || iteration >= inverse->settings->iterations);
-  if (!inverse->trace) PetscCall(MpmTraceOpen(inverse));
+  if (!inverse->trace) PetscCall(Open(inverse));
   PetscCall(Print(inverse, iteration, at));
   if (inverse->start == inverse->earlier.start && iteration <= inverse->earlier.iteration)
     PetscFunctionReturn(PETSC_SUCCESS);

@@ -63,8 +63,6 @@ struct MpmBedFlow {
 
 extern const MpmTerm MpmTermBed;
 PetscErrorCode       MpmBedFlowDestroy(MpmBedFlow **flow);
-/* g of a column's material, m/s2. */
-PetscReal MpmBedGravity(const MpmSum *sum, PetscInt point);
 /* cos^2 of a slope. */
 static inline PetscReal MpmBedCosine2(const MpmBed *bed, const PetscReal slope[])
 {

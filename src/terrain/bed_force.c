@@ -13,7 +13,8 @@
 
 #define FAILS 0.25 /* of the weights of a point's nodes: a front on a slope leaves that many without balance */
 
-PetscReal MpmBedGravity(const MpmSum *sum, PetscInt point)
+/* g of a column's material, m/s2. */
+static PetscReal Gravity(const MpmSum *sum, PetscInt point)
 {
   return sum->materials[sum->points->material[point]].parameter[MPM_BASAL_GRAVITY];
 }
@@ -153,7 +154,7 @@ static void AddForce(const MpmSum *sum, const MpmGroup *group, PetscInt p, const
 {
   const MpmOnBed *at     = &flow->point[p];
   const PetscInt *nodes  = &sum->space->group_nodes[group->node_offset];
-  const PetscReal weight = MpmPointMass(sum->points, sum->materials, p) * MpmBedGravity(sum, p); /* rho g V */
+  const PetscReal weight = MpmPointMass(sum->points, sum->materials, p) * Gravity(sum, p); /* rho g V */
   const PetscReal c = MpmBedCosine2(flow->bed, at->slope), on_area = weight / at->depth;
   const PetscReal steep = at->slope[0] * at->slope[0] + at->slope[1] * at->slope[1];
 
