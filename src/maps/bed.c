@@ -3,21 +3,77 @@
 */
 #include "options/options.h"
 #include "maps/bed.h"
+#include "maps/map_smooth.h"
 
 #define SLACK 1e-9 /* of a pixel: places so far beyond the outer centres are on them */
 
-PetscErrorCode MpmBedRead(const MpmOptions *options, MpmBed *bed)
+/* Fails where the map does not cover a rectangle, or has no data in it. */
+static PetscErrorCode Cover(const MpmBed *bed, const PetscReal lower[], const PetscReal upper[])
+{
+  const MpmMap   *map     = &bed->map;
+  const PetscReal first[] = {map->x0, map->y0};
+  const PetscInt  count[] = {map->columns, map->rows};
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < 2; a++) {
+    const PetscReal last = first[a] + (PetscReal)(count[a] - 1) * map->cell[a], slack = SLACK * map->cell[a];
+
+    MpmCheckInput(
+      lower[a] >= first[a] - slack && upper[a] <= last + slack,
+      "-mpm_terrain_file %s: covers %.10g to %.10g on axis %c between the centres of its pixels, the grid goes from "
+      "%.10g to %.10g",
+      bed->file, (double)first[a], (double)last, "xy"[a], (double)lower[a], (double)upper[a]);
+  }
+  for (PetscInt64 k = 0; k < (PetscInt64)map->columns * map->rows && !bed->outflow; k++) {
+    const PetscReal x = map->x0 + (PetscReal)(k % map->columns) * map->cell[0];
+    const PetscReal y = map->y0 + (PetscReal)(k / map->columns) * map->cell[1];
+
+    if (x <= lower[0] - map->cell[0] || x >= upper[0] + map->cell[0] || y <= lower[1] - map->cell[1] ||
+        y >= upper[1] + map->cell[1])
+      continue;
+    MpmCheckInput(!PetscIsNanReal(map->value[k]), "-mpm_terrain_file %s: has no data at (%.10g, %.10g), in the grid",
+                  bed->file, (double)x, (double)y);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Options of the map, and its pixels about the grid. */
+static PetscErrorCode ReadMap(const MpmOptions *terrain, const PetscReal lower[], const PetscReal upper[], MpmBed *bed)
+{
+  MpmMapAsk ask                      = {.band = 1, .lower = lower, .upper = upper};
+  PetscReal smooth                   = 0.;
+  char      message[MPM_MAP_MESSAGE] = "";
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsInt(terrain, "band", "band of the file", 1, 65535, MPM_OPTIONAL, &ask.band, NULL));
+  PetscCall(MpmOptionsText(terrain, "project",
+                           "coordinate system in metres to which maps and outlines are brought, as EPSG:32632", NULL,
+                           MPM_OPTIONAL, &bed->project));
+  PetscCall(MpmOptionsReal(terrain, "smooth", "pixels",
+                           "standard deviation of the Gaussian by which heights are averaged",
+                           ((MpmRange){0., 1000., PETSC_FALSE}), MPM_OPTIONAL, &smooth, NULL));
+  if (!bed->file || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  ask.project = bed->project;
+  ask.margin  = 1 + MpmMapSmoothReach(smooth);
+  PetscCall(MpmMapRead(bed->file, &ask, &bed->map, message));
+  MpmCheckInput(!message[0], "-mpm_terrain_file %s: %s", bed->file, message);
+  PetscCall(MpmMapSmooth(smooth, &bed->map));
+  PetscCall(Cover(bed, lower, upper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBedRead(const MpmOptions *options, const PetscReal lower[], const PetscReal upper[], MpmBed *bed)
 {
   static const char *const slopes[] = {"normal", "vertical", NULL};
   const MpmOptions         terrain  = {options->comm, "mpm_terrain_", options->record};
   PetscInt                 slope    = 0;
   PetscBool                given;
-  char                     message[MPM_ASCII_MESSAGE] = "";
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(options, "Terrain (-mpm_physics depth_averaged)"));
-  PetscCall(
-    MpmOptionsPath(&terrain, "file", "map of the bed's height, m: an ESRI ASCII grid", MPM_OPTIONAL, &bed->file));
+  PetscCall(MpmOptionsPath(&terrain, "file",
+                           "map of the bed's height, m: an ESRI ASCII grid, or a GeoTIFF or other file that GDAL reads",
+                           MPM_OPTIONAL, &bed->file));
   PetscCall(MpmOptionsReals(options, "bed", "m, m/m",
                             "without a map the bed is a plane: height at the origin, and its "
                             "slopes along x and y",
@@ -26,10 +82,8 @@ PetscErrorCode MpmBedRead(const MpmOptions *options, MpmBed *bed)
                            "normal: depth and pressure normal to the bed, lengths along it; vertical: shallow water",
                            slopes, MPM_OPTIONAL, &slope, NULL));
   bed->normal = (PetscBool)!slope;
-  if (!bed->file || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(!given, "-mpm_bed: -mpm_terrain_file has the bed");
-  PetscCall(MpmAsciiGridRead(bed->file, &bed->map, message));
-  MpmCheckInput(!message[0], "-mpm_terrain_file %s: %s", bed->file, message);
+  MpmCheckInput(!given || !bed->file || MpmOptionsHelp(), "-mpm_bed: -mpm_terrain_file has the bed");
+  if (bed->file || MpmOptionsHelp()) PetscCall(ReadMap(&terrain, lower, upper, bed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -37,71 +91,13 @@ PetscErrorCode MpmBedDestroy(MpmBed *bed)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree(bed->file));
-  PetscCall(MpmAsciiGridDestroy(&bed->map));
+  PetscCall(PetscFree(bed->project));
+  PetscCall(MpmMapDestroy(&bed->map));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The pixel below a coordinate, and the part of the way to the next one. */
-static PetscInt Pixel(PetscReal s, PetscInt count, PetscReal *part)
-{
-  const PetscReal held = PetscClipInterval(s, 0., (PetscReal)(count - 1));
-  const PetscInt  k    = count < 2 ? 0 : PetscMin((PetscInt)held, count - 2);
-
-  *part = held - (PetscReal)k;
-  return k;
-}
-
-/* The four pixels about a place, and their weights. */
-static void Around(const MpmAsciiGrid *map, const PetscReal x[], PetscInt64 pixel[4], PetscReal weight[4])
-{
-  PetscReal      part[2];
-  const PetscInt i = Pixel((x[0] - map->x0) / map->cell, map->columns, &part[0]);
-  const PetscInt j = Pixel((x[1] - map->y0) / map->cell, map->rows, &part[1]);
-
-  for (PetscInt k = 0; k < 4; k++) {
-    const PetscInt a = PetscMin(i + k % 2, map->columns - 1), b = PetscMin(j + k / 2, map->rows - 1);
-
-    pixel[k]  = (PetscInt64)b * map->columns + a;
-    weight[k] = (k % 2 ? part[0] : 1. - part[0]) * (k / 2 ? part[1] : 1. - part[1]);
-  }
 }
 
 PetscReal MpmBedHeight(const MpmBed *bed, const PetscReal x[])
 {
-  PetscInt64 pixel[4];
-  PetscReal  weight[4], height = 0.;
-
-  if (!bed->map.value) return bed->plane[0] + bed->plane[1] * x[0] + bed->plane[2] * x[1];
-  Around(&bed->map, x, pixel, weight);
-  for (PetscInt k = 0; k < 4; k++) height += weight[k] == 0. ? 0. : weight[k] * bed->map.value[pixel[k]];
-  return height;
-}
-
-PetscErrorCode MpmBedCover(const MpmBed *bed, const PetscReal lower[], const PetscReal upper[])
-{
-  const MpmAsciiGrid *map     = &bed->map;
-  const PetscReal     first[] = {map->x0, map->y0}, slack = SLACK * map->cell;
-  const PetscInt      count[] = {map->columns, map->rows};
-
-  PetscFunctionBeginUser;
-  if (!map->value) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 0; a < 2; a++) {
-    const PetscReal last = first[a] + (PetscReal)(count[a] - 1) * map->cell;
-
-    MpmCheckInput(
-      lower[a] >= first[a] - slack && upper[a] <= last + slack,
-      "-mpm_terrain_file %s: covers %g to %g on axis %c between the centres of its pixels, the grid goes from "
-      "%g to %g",
-      bed->file, (double)first[a], (double)last, "xy"[a], (double)lower[a], (double)upper[a]);
-  }
-  for (PetscInt64 k = 0; k < (PetscInt64)map->columns * map->rows; k++) {
-    const PetscReal x = map->x0 + (PetscReal)(k % map->columns) * map->cell;
-    const PetscReal y = map->y0 + (PetscReal)(k / map->columns) * map->cell;
-
-    if (x < lower[0] - map->cell || x > upper[0] + map->cell || y < lower[1] - map->cell || y > upper[1] + map->cell)
-      continue;
-    MpmCheckInput(map->value[k] != map->none && !PetscIsInfOrNanReal(map->value[k]),
-                  "-mpm_terrain_file %s: has no data at (%g, %g), in the grid", bed->file, (double)x, (double)y);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (bed->map.value) return MpmMapAt(&bed->map, x);
+  return bed->plane[0] + bed->plane[1] * x[0] + bed->plane[2] * x[1];
 }

@@ -2,24 +2,26 @@
 /*
   The bed of a flow over terrain: its height by place, a plane or a map.
 
-  Order of calls: MpmBedRead(), MpmBedCover(), then heights; MpmBedDestroy().
+  Order of calls: MpmBedRead(), then heights; MpmBedDestroy().
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "maps/ascii_grid.h"
+#include "maps/map.h"
 
 /* Height z = plane[0] + plane[1] x + plane[2] y, or bilinear between the centres of a map's pixels. */
 struct MpmBed {
-  PetscReal    plane[3];
-  MpmAsciiGrid map; /* without pixels: the plane counts */
-  char        *file;
-  PetscBool    normal; /* lengths, depth and pressure count along and normal to the bed */
+  PetscReal plane[3];
+  MpmMap    map; /* without pixels: the plane counts */
+  char     *file, *project;
+  PetscBool normal;  /* lengths, depth and pressure count along and normal to the bed */
+  PetscBool outflow; /* material on pixels without data has left */
 };
 
-/* Reads -mpm_terrain_file, or -mpm_bed, and -mpm_slope. */
-PetscErrorCode MpmBedRead(const MpmOptions *options, MpmBed *bed);
+/*
+  Reads -mpm_terrain_file, or -mpm_bed, and -mpm_slope. The map must cover the rectangle, and have data in it unless
+  material may leave.
+*/
+PetscErrorCode MpmBedRead(const MpmOptions *options, const PetscReal lower[], const PetscReal upper[], MpmBed *bed);
 PetscErrorCode MpmBedDestroy(MpmBed *bed);
-/* Fails where the map does not cover a rectangle, or has no data in it. */
-PetscErrorCode MpmBedCover(const MpmBed *bed, const PetscReal lower[], const PetscReal upper[]);
 /* Height at a place, m. */
 PetscReal MpmBedHeight(const MpmBed *bed, const PetscReal x[]);

@@ -12,14 +12,15 @@ struct _p_MpmBodyDepth {
   MpmEdgeType   edge;
   PetscReal     depth, level;
   PetscBool     to_level;
-  MpmBed        map; /* of depths, where it has a file */
+  MpmMap        map; /* of depths, or without pixels */
 };
 
 /* A number, or else a map of depths. */
 static PetscErrorCode ReadMap(const MpmOptions *block, const char text[], MpmBodyDepth depth)
 {
-  char  message[MPM_ASCII_MESSAGE] = "";
-  char *end;
+  const MpmMapAsk ask                      = {.project = depth->bed->project};
+  char            message[MPM_MAP_MESSAGE] = "";
+  char           *end, *file;
 
   PetscFunctionBeginUser;
   depth->depth = strtod(text, &end);
@@ -28,10 +29,11 @@ static PetscErrorCode ReadMap(const MpmOptions *block, const char text[], MpmBod
                   text);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(PetscStrallocpy(text, &depth->map.file));
-  PetscCall(MpmOptionsResolve(block, "depth", &depth->map.file));
-  PetscCall(MpmAsciiGridRead(depth->map.file, &depth->map.map, message));
-  MpmCheckInput(!message[0], "-%sdepth %s: %s", block->prefix, depth->map.file, message);
+  PetscCall(PetscStrallocpy(text, &file));
+  PetscCall(MpmOptionsResolve(block, "depth", &file));
+  PetscCall(MpmMapRead(file, &ask, &depth->map, message));
+  MpmCheckInput(!message[0], "-%sdepth %s: %s", block->prefix, file, message);
+  PetscCall(PetscFree(file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -64,7 +66,7 @@ PetscErrorCode MpmBodyDepthDestroy(MpmBodyDepth *depth)
 {
   PetscFunctionBeginUser;
   if (!*depth) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmBedDestroy(&(*depth)->map));
+  PetscCall(MpmMapDestroy(&(*depth)->map));
   PetscCall(PetscFree(*depth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -104,5 +106,5 @@ static PetscReal Height(MpmBodyDepth depth, const MpmGrid *grid, const PetscReal
 PetscReal MpmBodyDepthAt(MpmBodyDepth depth, const MpmGrid *grid, const PetscReal x[], const PetscReal half[])
 {
   if (depth->to_level) return depth->level - Height(depth, grid, x, half);
-  return depth->map.file ? MpmBedHeight(&depth->map, x) : depth->depth;
+  return depth->map.value ? MpmMapAt(&depth->map, x) : depth->depth;
 }

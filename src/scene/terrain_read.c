@@ -20,7 +20,7 @@ PetscErrorCode MpmTerrainRead(MpmModel model, const MpmOptions *options)
   PetscFunctionBeginUser;
   if (!(scene->physics.traits & MPM_PHYSICS_COLUMNS) && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscNew(&bed));
-  PetscCall(MpmBedRead(options, bed));
+  PetscCall(MpmBedRead(options, model->disc.grid->lower, model->disc.grid->upper, bed));
   if (MpmOptionsHelp() && !(scene->physics.traits & MPM_PHYSICS_COLUMNS)) {
     PetscCall(MpmBedDestroy(bed));
     PetscCall(PetscFree(bed));
@@ -33,7 +33,6 @@ PetscErrorCode MpmTerrainRead(MpmModel model, const MpmOptions *options)
   MpmCheckInput(scene->deformation.kinematics == MPM_PLANE_STRAIN,
                 "-mpm_physics %s: -mpm_dim must be 2, without axial symmetry: x and y are horizontal",
                 scene->physics.name);
-  PetscCall(MpmBedCover(bed, model->disc.grid->lower, model->disc.grid->upper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
