@@ -15,6 +15,7 @@
 #include "grid/partition.h"
 #include "particles/particles.h"
 #include "query/model.h"
+#include "runout/runout.h"
 #include "observe/lines.h"
 #include "observe/results.h"
 #include "observe/signals.h"
@@ -89,7 +90,8 @@ static PetscBool MayChange(const char *name)
                                       "mpm_jacobian",    "mpm_mat_type",
                                       "mpm_vec_type",    "mpm_newton_",
                                       "mpm_matfree_",    "mpm_stabilization_ghost",
-                                      "mpm_relaxation_", "mpm_stabilization_interior"};
+                                      "mpm_relaxation_", "mpm_stabilization_interior",
+                                      "mpm_maps_every"};
 
   if (EndsWith(name, "time_rescue")) return PETSC_FALSE; /* points have velocities with it */
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(heads); k++)
@@ -140,9 +142,9 @@ PetscErrorCode MpmCheckpointKeepOptions(MpmModel model, const MpmOptions *option
 
 /* Metadata, and the files' places. */
 typedef struct {
-  MpmTextFile scene, partition, results, index, grid_index, history;
+  MpmTextFile scene, partition, results, index, grid_index, history, peaks;
   PetscInt    count;
-  MpmBytes    bytes[6];
+  MpmBytes    bytes[7];
 } Beside;
 
 static PetscErrorCode AddBytes(MpmModel model, const char *name, const MpmTextFile *text, Beside *beside)
@@ -189,6 +191,10 @@ static PetscErrorCode BesideSetUp(MpmModel model, Beside *beside)
     PetscCall(MpmTextFileAppend(&beside->partition, "%" PetscInt_FMT "\n", numbers[k]));
   PetscCall(PetscFree(numbers));
   PetscCall(MarkResults(model, beside));
+  if (MpmRunoutHasPeaks(model)) {
+    PetscCall(MpmRunoutSave(model, &beside->peaks));
+    PetscCall(AddBytes(model, "peaks", &beside->peaks, beside));
+  }
   PetscCall(AddBytes(model, "scene", &beside->scene, beside));
   PetscCall(AddBytes(model, "partition", &beside->partition, beside));
   PetscCall(AddBytes(model, "history", &beside->history, beside));
@@ -203,6 +209,7 @@ static PetscErrorCode BesideDestroy(Beside *beside)
   PetscFunctionBeginUser;
   PetscCall(MpmTextFileDestroy(&beside->scene));
   PetscCall(MpmTextFileDestroy(&beside->partition));
+  PetscCall(MpmTextFileDestroy(&beside->peaks));
   PetscCall(MpmTextFileDestroy(&beside->results));
   PetscCall(MpmTextFileDestroy(&beside->index));
   PetscCall(MpmTextFileDestroy(&beside->grid_index));

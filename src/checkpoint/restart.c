@@ -17,6 +17,7 @@
 #include "schedule/rescue.h"
 #include "schedule/schedule.h"
 #include "schedule/stage.h"
+#include "runout/runout.h"
 #include "observe/results.h"
 #include "checkpoint/checkpoint.h"
 
@@ -124,6 +125,13 @@ static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
   PetscCall(ReadBytes(model, group, "results", PETSC_FALSE, &restart->results));
   PetscCall(ReadBytes(model, group, "results_index", PETSC_FALSE, &restart->index));
   PetscCall(ReadBytes(model, group, "results_grid_index", PETSC_FALSE, &restart->grid_index));
+  if (MpmRunoutHasPeaks(model)) {
+    MpmTextFile peaks = MPM_TEXT_FILE_EMPTY;
+
+    PetscCall(ReadBytes(model, group, "peaks", PETSC_FALSE, &peaks));
+    PetscCall(MpmRunoutLoad(model, &peaks));
+    PetscCall(MpmTextFileDestroy(&peaks));
+  }
   if (group >= 0) (void)H5Gclose(group);
   if (file >= 0) (void)H5Fclose(file);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -26,6 +26,7 @@
 #include "integrators/sdirk.h"
 #include "schedule/stage.h"
 #include "observe/results.h"
+#include "runout/runout.h"
 #include "sensitivity/gradient.h"
 #include "checkpoint/checkpoint.h"
 #include "model/build.h"
@@ -214,6 +215,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(MpmGradientDestroy(&model->gradient));
   PetscCall(MpmLaboratoryDestroy(&model->laboratory));
   PetscCall(MpmSolverDestroy(&model->solver));
+  PetscCall(MpmRunoutDestroy(model));
   PetscCall(MpmTerrainDestroy(model));
   PetscCall(MpmDiscretizationDestroy(&model->disc));
   PetscCall(MpmResultsDestroy(model));

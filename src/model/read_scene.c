@@ -38,6 +38,7 @@
 #include "schedule/rescue.h"
 #include "schedule/schedule.h"
 #include "schedule/settle.h"
+#include "runout/runout.h"
 #include "observe/lines.h"
 #include "observe/results.h"
 #include "observe/tracks.h"
@@ -471,6 +472,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(MpmStagesRead(model, options));
   PetscCall(CheckAxial(model));
   PetscCall(MpmTerrainCheck(model));
+  PetscCall(MpmRunoutRead(model, options));
   PetscCall(MpmDynamicsRead(model, options));
   PetscCall(MpmStabilizationSettle(model));
   PetscCall(ReadOutput(model, options));

@@ -10,6 +10,7 @@
 #include "schedule/geostatic.h"
 #include "schedule/schedule.h"
 #include "schedule/stage.h"
+#include "runout/runout.h"
 #include "observe/history.h"
 #include "observe/lines.h"
 #include "observe/results.h"
@@ -29,6 +30,15 @@ static const char *Reason(const MpmModel model)
 static PetscBool AtStageEnd(const MpmModel model)
 {
   return (PetscBool)(!model->state.scheme.rescuing.on && model->state.time >= model->state.period.end * (1. - 1e-12));
+}
+
+/* The end of a stage, and the results that its state has. */
+static PetscErrorCode FinishStage(MpmModel model, MpmOutcome *outcome)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmStageFinish(model, outcome));
+  if (!outcome->code) PetscCall(MpmRunoutFinish(model));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* True at the end of the last stage. */
@@ -52,7 +62,7 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
   PetscFunctionBeginUser;
   MpmOutcomeClear(outcome);
   if (AtStageEnd(model)) {
-    PetscCall(MpmStageFinish(model, outcome));
+    PetscCall(FinishStage(model, outcome));
     if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmStageBegin(model, model->state.stage + 1));
     PetscCall(MpmGradientStage(model));
@@ -71,6 +81,7 @@ static PetscErrorCode TakeStep(MpmModel model, PetscReal *dt)
     PetscCall(MpmGeostaticRun(model, outcome));
     *dt = model->state.time - model->state.period.start;
   } else PetscCall(MpmAdvance(model, dt, outcome));
+  if (!outcome->code && model->state.step > before) PetscCall(MpmRunoutObserve(model, *dt));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   if (outcome->code) PetscCall(MpmWaterFindClosed(model, outcome));
   if (!outcome->code && !model->state.scheme.rescuing.on && model->state.step > before && model->caller.after)
@@ -86,7 +97,7 @@ static PetscErrorCode StepOnce(MpmModel model)
   model->caller.stop = PETSC_FALSE;
   do PetscCall(TakeStep(model, &dt));
   while (model->state.scheme.rescuing.on && !model->caller.outcome.code);
-  if (!model->caller.outcome.code && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.outcome));
+  if (!model->caller.outcome.code && AtEnd(model)) PetscCall(FinishStage(model, &model->caller.outcome));
   if (!model->caller.outcome.code) PetscCall(MpmWaterFindHeave(model, &model->caller.outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -208,7 +219,7 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
-  if (!model->caller.outcome.code && AtEnd(model)) PetscCall(MpmStageFinish(model, &model->caller.outcome));
+  if (!model->caller.outcome.code && AtEnd(model)) PetscCall(FinishStage(model, &model->caller.outcome));
   why  = Reason(model);
   gone = model->state.particles->gone;
   step = (PetscBool)(results->states.file && (!IsDue(model) || !MpmOutputStarted(results->states.file)));
@@ -219,6 +230,7 @@ static PetscErrorCode Finish(MpmModel model, PetscBool interrupted)
     if (step) PetscCall(WriteStep(model));
   }
   if (results->states.file) PetscCall(MpmOutputFinish(results->states.file));
+  if (!gone) PetscCall(MpmRunoutWrite(model));
   if (why) {
     PetscCall(MpmTerminalWarn(model, "gave up after step %" PetscInt_FMT " at time %g: %s", model->state.step,
                               (double)model->state.time, why));

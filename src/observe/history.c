@@ -15,6 +15,7 @@
 #include "integrators/relaxation.h"
 #include "schedule/reduction.h"
 #include "schedule/stage.h"
+#include "runout/runout.h"
 #include "observe/history.h"
 #include "observe/lines.h"
 #include "observe/results.h"
@@ -91,7 +92,8 @@ static PetscErrorCode (*const parts[])(MpmModel, MpmColumns *) = {MpmStepAddColu
                                                                   MpmMovingGridAddColumns, MpmStagesAddColumns,
                                                                   MpmReductionAddColumns,  MpmConsolidationAddColumns,
                                                                   MpmTracksAddVelocities,  MpmEnergyAddColumns,
-                                                                  MpmRelaxationAddColumns, MpmSignatureAddColumns};
+                                                                  MpmRelaxationAddColumns, MpmRunoutAddColumns,
+                                                                  MpmSignatureAddColumns};
 
 /* Columns of the library's caller follow the scene's. */
 static PetscErrorCode AddCallers(MpmModel model, MpmColumns *columns)

@@ -9,6 +9,7 @@
 #include "particles/particles.h"
 #include "query/model.h"
 #include "query/query.h"
+#include "runout/runout.h"
 #include "observe/lines.h"
 #include "observe/point_columns.h"
 #include "observe/results.h"
@@ -126,7 +127,7 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                                                          .fields    = model->results->derivatives.fields,
                                                          .objective = model->results->derivatives.objective,
                                                          .inverse   = model->results->derivatives.inverse}};
-  char           path[PETSC_MAX_PATH_LEN];
+  char           path[PETSC_MAX_PATH_LEN], *runout;
   PetscLogDouble now;
 
   PetscFunctionBeginUser;
@@ -140,12 +141,15 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
     summary.solution.jacobian = MpmJacobianTypes[MPM_JACOBIAN_LOCAL];
     summary.solution.solver   = "direct";
   }
+  PetscCall(MpmRunoutSummary(model, &runout));
+  summary.runout = runout;
   PetscCall(PetscTime(&now));
   summary.time_total = now - model->results->start;
   PetscCall(PetscArraycpy(summary.time, model->monitor.seconds, MPM_TIME_COUNT));
   PetscCall(MpmSummaryReduce(model->comm, &summary));
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s_summary.json", model->scene.name.prefix));
   PetscCall(MpmSummaryWrite(model->comm, path, MPM_VERSION, &summary));
+  PetscCall(PetscFree(runout));
   if (MpmTerminalShows(model)) PetscCall(MpmTerminalSummary(model->comm, &summary));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -42,6 +42,8 @@ typedef struct MpmResults    MpmResults;
 typedef struct MpmLaboratory MpmLaboratory;
 /* Derivatives of a run (sensitivity/gradient.h) */
 typedef struct MpmGradient MpmGradient;
+/* Maps and gauges of flow over terrain (runout/runout.h) */
+typedef struct MpmRunout MpmRunout;
 
 struct _p_MpmModel {
   MPI_Comm          comm;
@@ -57,4 +59,5 @@ struct _p_MpmModel {
   MpmResults       *results;
   MpmLaboratory    *laboratory; /* NULL: the scene has a grid and bodies */
   MpmGradient      *gradient;   /* NULL: no derivatives are asked for */
+  MpmRunout        *runout;     /* NULL: no such results are asked for */
 };

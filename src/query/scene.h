@@ -37,6 +37,7 @@ typedef struct {
   MpmTransfer       transfer;
   PetscReal         cfl; /* of explicit steps: in parts of the time that a wave takes through a cell */
   MpmStressUpdate   update;
+  PetscReal         rest; /* an explicit stage ends below this share of its largest kinetic energy; 0: it does not */
 } MpmMotionControl;
 
 /* How time is cut into steps. */

@@ -69,6 +69,10 @@ static PetscErrorCode ReadExplicit(const MpmOptions *block, MpmMotionControl *mo
                            "once more; usl, last, by the nodes' own; usf, first",
                            updates, MPM_OPTIONAL, &update, NULL));
   motion->update = (MpmStressUpdate)update;
+  PetscCall(MpmOptionsReal(block, "rest", "-",
+                           "an explicit stage ends once its kinetic energy has fallen below this share of its largest; "
+                           "0: at its end alone",
+                           ((MpmRange){0., 1., PETSC_FALSE}), MPM_OPTIONAL, &motion->rest, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
