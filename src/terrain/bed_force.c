@@ -7,11 +7,13 @@
 #include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/basis.h"
+#include "space/point_loop.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "terrain/bed_flow.h"
 
-#define FAILS 0.25 /* of the weights of a point's nodes: a front on a slope leaves that many without balance */
+#define MOST_KNOWN 16   /* nodes of a group with a loop of its own */
+#define FAILS      0.25 /* of the weights of a point's nodes: a front on a slope leaves that many without balance */
 
 /* g of a column's material, m/s2. */
 static PetscReal Gravity(const MpmSum *sum, PetscInt point)
@@ -77,11 +79,11 @@ static PetscReal Covered(const MpmSum *sum, PetscInt p, PetscReal area)
 }
 
 /* A point and its bed; its part of the sums at its nodes. */
-static void AddPoint(const MpmSum *sum, const MpmGroup *group, PetscInt p, const MpmBasis *basis, MpmBedFlow *flow)
+MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, const PetscInt nodes[], PetscInt p,
+                         const MpmBasis *basis, MpmBedFlow *flow)
 {
-  const MpmPoints *points = sum->points;
-  const PetscInt   n = group->node_count, material = points->material[p];
-  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
+  const MpmPoints *points   = sum->points;
+  const PetscInt   material = points->material[p];
   const PetscReal  volume = points->volume0[p], depth = points->state[p * sum->kept.state];
   const PetscReal  mass = MpmPointMass(points, sum->materials, p);
   MpmOnBed        *at   = &flow->point[p];
@@ -89,7 +91,7 @@ static void AddPoint(const MpmSum *sum, const MpmGroup *group, PetscInt p, const
 
   *at     = (MpmOnBed){.area = volume / depth, .depth = depth};
   covered = Covered(sum, p, at->area);
-  for (PetscInt i = 0; i < n; i++) {
+  for (PetscInt i = 0; i < known.n; i++) {
     const PetscReal Z = flow->height[nodes[i]];
 
     at->bed += MpmBasisAt(basis, 0, i) * Z;
@@ -102,7 +104,7 @@ static void AddPoint(const MpmSum *sum, const MpmGroup *group, PetscInt p, const
   numbers[MPM_BED_MASS]      = mass;
   numbers[MPM_BED_SLOPE]     = mass * at->slope[0];
   numbers[MPM_BED_SLOPE + 1] = mass * at->slope[1];
-  for (PetscInt i = 0; i < n; i++) {
+  for (PetscInt i = 0; i < known.n; i++) {
     const PetscReal w = MpmBasisAt(basis, 0, i), bed = at->bed - flow->height[nodes[i]];
     PetscReal      *sums  = &flow->sums[nodes[i] * MPM_BED_SUMS];
     PetscReal      *share = &flow->shares[(nodes[i] * flow->materials + material) * MPM_BED_SHARES];
@@ -116,17 +118,17 @@ static void AddPoint(const MpmSum *sum, const MpmGroup *group, PetscInt p, const
 }
 
 /* A point's part of the slopes at its nodes. */
-static void AddSlopes(const MpmSum *sum, const MpmGroup *group, PetscInt p, const MpmBasis *basis, MpmBedFlow *flow)
+MPM_INLINE void AddSlopes(const MpmKnown known, const PetscInt nodes[], PetscInt p, const MpmBasis *basis,
+                          MpmBedFlow *flow)
 {
-  const PetscInt *nodes  = &sum->space->group_nodes[group->node_offset];
   const MpmOnBed *at     = &flow->point[p];
   const PetscReal volume = at->area * at->depth, level = at->depth + at->bed;
   PetscReal       slope[2] = {0., 0.};
 
-  for (PetscInt i = 0; i < group->node_count; i++)
+  for (PetscInt i = 0; i < known.n; i++)
     for (PetscInt a = 0; a < 2; a++)
       slope[a] += MpmBasisAt(basis, 1 + a, i) * (flow->level[nodes[i] * MPM_LEVEL_COUNT + MPM_LEVEL] - level);
-  for (PetscInt i = 0; i < group->node_count; i++) {
+  for (PetscInt i = 0; i < known.n; i++) {
     PetscReal *steep = &flow->steep[nodes[i] * MPM_STEEP_COUNT];
 
     for (PetscInt a = 0; a < 2; a++) {
@@ -137,28 +139,28 @@ static void AddSlopes(const MpmSum *sum, const MpmGroup *group, PetscInt p, cons
 }
 
 /* Where the balance fails at a share of a point's nodes, it fails at all of them: the point's part of that. */
-static void AddFailures(const MpmSum *sum, const MpmGroup *group, PetscInt p, const MpmBasis *basis, MpmBedFlow *flow)
+MPM_INLINE void AddFailures(const MpmKnown known, const PetscInt nodes[], PetscInt p, const MpmBasis *basis,
+                            MpmBedFlow *flow)
 {
-  const PetscInt *nodes  = &sum->space->group_nodes[group->node_offset];
   const PetscReal volume = flow->point[p].area * flow->point[p].depth;
   PetscReal       fails  = 0.;
 
-  for (PetscInt i = 0; i < group->node_count; i++)
+  for (PetscInt i = 0; i < known.n; i++)
     fails += MpmBasisAt(basis, 0, i) * (1. - flow->level[nodes[i] * MPM_LEVEL_COUNT + MPM_LEVEL_PART]);
-  for (PetscInt i = 0; i < group->node_count; i++)
+  for (PetscInt i = 0; i < known.n; i++)
     flow->failed[nodes[i]] += MpmBasisAt(basis, 0, i) * volume * PetscMin(fails / FAILS, 1.);
 }
 
 /* A point's forces on its nodes. */
-static void AddForce(const MpmSum *sum, const MpmGroup *group, PetscInt p, const MpmBasis *basis, MpmBedFlow *flow)
+MPM_INLINE void AddForce(const MpmKnown known, const MpmSum *sum, const PetscInt nodes[], PetscInt p,
+                         const MpmBasis *basis, MpmBedFlow *flow)
 {
   const MpmOnBed *at     = &flow->point[p];
-  const PetscInt *nodes  = &sum->space->group_nodes[group->node_offset];
   const PetscReal weight = MpmPointMass(sum->points, sum->materials, p) * Gravity(sum, p); /* rho g V */
   const PetscReal c = MpmBedCosine2(flow->bed, at->slope), on_area = weight / at->depth;
   const PetscReal steep = at->slope[0] * at->slope[0] + at->slope[1] * at->slope[1];
 
-  for (PetscInt i = 0; i < group->node_count; i++) {
+  for (PetscInt i = 0; i < known.n; i++) {
     const PetscReal *level = &flow->level[nodes[i] * MPM_LEVEL_COUNT];
     const PetscReal  w = MpmBasisAt(basis, 0, i), gradient[2] = {MpmBasisAt(basis, 1, i), MpmBasisAt(basis, 2, i)};
     const PetscReal  d = level[MPM_LEVEL] - at->bed, D = level[MPM_LEVEL] - level[MPM_LEVEL_BED];
@@ -175,25 +177,61 @@ static void AddForce(const MpmSum *sum, const MpmGroup *group, PetscInt p, const
   }
 }
 
-/* A pass over the points, and the sums at the nodes of all ranks: `count` numbers a node. */
-typedef void (*Visit)(const MpmSum *sum, const MpmGroup *group, PetscInt p, const MpmBasis *basis, MpmBedFlow *flow);
+typedef enum { POINTS, SLOPES, FAILURES, FORCES } Visit;
 
-static PetscErrorCode Pass(const MpmSum *sum, Visit visit, MpmBasis *basis, PetscInt count, PetscReal sums[],
-                           MpmBedFlow *flow)
+/* True where the balance fails nowhere at a group's nodes, or at all of them: then a point's part changes nothing. */
+static PetscBool IsEven(const MpmGroup *group, const PetscInt nodes[], const MpmBedFlow *flow)
 {
-  const MpmSpace *space = sum->space;
+  const PetscReal first = flow->level[nodes[0] * MPM_LEVEL_COUNT + MPM_LEVEL_PART];
 
-  PetscFunctionBeginUser;
-  for (PetscInt g = 0; g < space->group_count; g++) {
-    for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
-      MpmSpaceEvaluate(space, &space->groups[g], space->order[s], basis);
-      visit(sum, &space->groups[g], space->order[s], basis, flow);
-    }
-  }
-  PetscCall(MpmSpaceAddToOwners(space, count, sums));
-  PetscCall(MpmSpaceToGhosts(space, count, sums));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (first != 0. && first != 1.) return PETSC_FALSE;
+  for (PetscInt i = 1; i < group->node_count; i++)
+    if (flow->level[nodes[i] * MPM_LEVEL_COUNT + MPM_LEVEL_PART] != first) return PETSC_FALSE;
+  return PETSC_TRUE;
 }
+
+/* The points of a group. */
+MPM_INLINE PetscErrorCode VisitGroup(const MpmKnown known, Visit visit, const MpmSum *sum, const MpmGroup *group,
+                                     const MpmBasis *room, MpmBedFlow *flow)
+{
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+  PetscReal       storage[MPM_BASES * MOST_KNOWN];
+  MpmBasis        basis;
+
+  if (visit == FAILURES && IsEven(group, nodes, flow)) return PETSC_SUCCESS;
+  if (known.solid) MpmBasisPlace(sum->space, known.n, storage, &basis);
+  else basis = *room;
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p = sum->space->order[s];
+
+    MpmSumFetch(known, sum, s);
+    MpmSumBasis(known, sum->space, p, PETSC_TRUE, &basis);
+    if (visit == POINTS) AddPoint(known, sum, nodes, p, &basis, flow);
+    else if (visit == SLOPES) AddSlopes(known, nodes, p, &basis, flow);
+    else if (visit == FAILURES) AddFailures(known, nodes, p, &basis, flow);
+    else AddForce(known, sum, nodes, p, &basis, flow);
+  }
+  return PETSC_SUCCESS;
+}
+
+/* A pass over the points, and the sums at the nodes of all ranks: `count` numbers a node. */
+#define PASS(name, visit) \
+  static PetscErrorCode name(const MpmSum *sum, const MpmBasis *room, PetscInt count, PetscReal sums[], \
+                             MpmBedFlow *flow) \
+  { \
+    const MpmSpace *space = sum->space; \
+\
+    PetscFunctionBeginUser; \
+    for (PetscInt g = 0; g < space->group_count; g++) \
+      MPM_DISPATCH(sum->layout, &space->groups[g], VisitGroup, visit, sum, &space->groups[g], room, flow); \
+    PetscCall(MpmSpaceAddToOwners(space, count, sums)); \
+    PetscCall(MpmSpaceToGhosts(space, count, sums)); \
+    PetscFunctionReturn(PETSC_SUCCESS); \
+  }
+PASS(PassPoints, POINTS)
+PASS(PassSlopes, SLOPES)
+PASS(PassFailures, FAILURES)
+PASS(PassForces, FORCES)
 
 static PetscErrorCode Push(void *ctx, const MpmSum *sum, PetscReal force[])
 {
@@ -205,17 +243,17 @@ static PetscErrorCode Push(void *ctx, const MpmSum *sum, PetscReal force[])
   PetscCall(Resize(sum, flow));
   FindHeights(sum, flow);
   PetscCall(MpmBasisCreate(sum->space, &basis));
-  PetscCall(Pass(sum, AddPoint, &basis, MPM_BED_SUMS, flow->sums, flow));
+  PetscCall(PassPoints(sum, &basis, MPM_BED_SUMS, flow->sums, flow));
   PetscCall(MpmSpaceAddToOwners(sum->space, shares, flow->shares));
   PetscCall(MpmSpaceToGhosts(sum->space, shares, flow->shares));
   MpmBedFindMeans(sum, flow);
-  PetscCall(Pass(sum, AddSlopes, &basis, MPM_STEEP_COUNT, flow->steep, flow));
+  PetscCall(PassSlopes(sum, &basis, MPM_STEEP_COUNT, flow->steep, flow));
   MpmBedFindLevels(sum, flow);
-  PetscCall(Pass(sum, AddFailures, &basis, 1, flow->failed, flow));
+  PetscCall(PassFailures(sum, &basis, 1, flow->failed, flow));
   for (PetscInt i = 0; i < sum->space->local; i++)
     flow->level[i * MPM_LEVEL_COUNT + MPM_LEVEL_PART] *=
       PetscMax(1. - flow->failed[i] / (FAILS * flow->sums[i * MPM_BED_SUMS + MPM_BED_VOLUME]), 0.);
-  PetscCall(Pass(sum, AddForce, &basis, sum->block, flow->force, flow));
+  PetscCall(PassForces(sum, &basis, sum->block, flow->force, flow));
   for (PetscInt k = 0; k < sum->space->local * sum->block; k++) force[k] += flow->force[k];
   PetscCall(MpmBasisDestroy(&basis));
   PetscFunctionReturn(PETSC_SUCCESS);
