@@ -152,7 +152,7 @@ PetscErrorCode MpmGradientDestroy(MpmGradient **gradient)
 PetscBool MpmGradientIsClosed(const MpmGradient *gradient, PetscInt k)
 {
   return (PetscBool)(!gradient->open[0] && gradient->method != MPM_GRADIENT_TWINS &&
-                     gradient->parameters.at[k].kind != MPM_OF_OPTION);
+                     (k >= gradient->parameters.count || gradient->parameters.at[k].kind != MPM_OF_OPTION));
 }
 
 PetscBool MpmGradientAnyClosed(const MpmGradient *gradient)

@@ -158,12 +158,12 @@ static void Joining(const MpmModel model, PetscInt n, const MpmStepMap *map, Pet
                     MpmPointVector *vector)
 {
   const MpmTape           *tape   = &model->gradient->tape;
-  const MpmSceneParameter *of     = &map->parameters->at[parameter];
+  const MpmSceneParameter *of     = parameter < 0 ? NULL : &map->parameters->at[parameter];
   const MpmPoints         *points = map->sum->points;
   const PetscBool         *adds   = model->scene.stages.at[tape->step[n].stage].adds;
 
-  if (!vector->size[MPM_VECTOR_MASS] || !n || !MpmTapeBeginsStage(tape, n) || of->kind != MPM_OF_LAW || !of->density)
-    return;
+  if (!vector->size[MPM_VECTOR_MASS] || !n || !MpmTapeBeginsStage(tape, n)) return;
+  if (!of || of->kind != MPM_OF_LAW || !of->density) return;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     PetscInt first, end;
 

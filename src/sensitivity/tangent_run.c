@@ -35,48 +35,26 @@ static PetscReal *Slopes(const MpmGradient *gradient, PetscInt n, PetscInt param
   return &gradient->slopes[(parameter * gradient->rows + gradient->tape.step[n].row) * gradient->objectives.count];
 }
 
-/* One number in one step: `start` becomes the step's end. */
-static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt number, const MpmStepMap *map,
-                                MpmPointVector *vector)
+/* A parameter, or behind all of them a direction of a field, from the step's start on. */
+static PetscErrorCode Enter(MpmModel model, PetscInt n, PetscInt number, const MpmStepMap *map, MpmPointVector *vector,
+                            MpmPointVector *start, MpmStepDirection *direction)
 {
-  MpmGradient     *gradient = model->gradient;
-  const PetscInt   count    = model->disc.space->local * model->disc.block;
-  MpmPointVector   start = {0}, end = {0};
-  const PetscInt   field     = number - map->parameters->count;
-  MpmStepDirection direction = {.start     = &start,
-                                .parameter = field < 0 ? number : -1,
-                                .ground    = field < 0 ? NULL : &map->grounds->direction[field]};
-  PetscReal       *residual, *du;
+  const MpmPointVector *first = n ? NULL : model->gradient->start.at;
+  const PetscInt        field = number - map->parameters->count;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscCalloc2((count + 1), &residual, (count + 1), &du));
-  PetscCall(MpmStepVectorCreate(map, &start));
-  PetscCall(MpmStepVectorCreate(map, &end));
-  PetscCall(MpmPointVectorMove(model->comm,
-                               !n && gradient->start.at && field < 0 ? &gradient->start.at[number] : vector, &start));
+  *direction = (MpmStepDirection){
+    .start = start, .parameter = field < 0 ? number : -1, .ground = field < 0 ? NULL : &map->grounds->direction[field]};
+  PetscCall(MpmStepVectorCreate(map, start));
+  PetscCall(MpmPointVectorMove(model->comm, first && field < 0 ? &first[number] : vector, start));
   PetscCall(MpmPointVectorDestroy(vector));
-  MpmStageAlong(model, n, map, direction.parameter, &start);
-  PetscCall(MpmPointsAlong(map, &direction, residual, NULL));
-  PetscCall(MpmLoadsAlong(map, &direction, residual));
-  PetscCall(MpmGhostAlong(map, &direction, residual));
-  for (PetscInt k = 0; k < count; k++) residual[k] = -residual[k];
-  PetscCall(MpmReplayedSolve(model, PETSC_FALSE, residual, du));
-  PetscCall(PetscArrayzero(residual, count));
-  direction.du = du;
-  PetscCall(MpmPointsAlong(map, &direction, residual, &end));
-  PetscCall(MpmLoadsAlong(map, &direction, residual));
-  PetscCall(MpmGhostAlong(map, &direction, residual));
-  MpmPointVectorAddConstant(&start, &end);
-  PetscCall(FindSlopes(model, &end, residual, Slopes(gradient, n, number)));
-  *vector = end;
-  PetscCall(MpmPointVectorDestroy(&start));
-  PetscCall(PetscFree2(residual, du));
+  MpmStageAlong(model, n, map, direction->parameter, start);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Several parameters in one step, where the points' directions go in packs. */
-static PetscErrorCode StepAlongPack(MpmModel model, PetscInt n, PetscInt many, const PetscInt which[],
-                                    const MpmStepMap *map, MpmPointVector vectors[])
+/* Up to MPM_PACK numbers in one step. */
+static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt many, const PetscInt which[],
+                                const MpmStepMap *map, MpmPointVector vectors[])
 {
   MpmGradient      *gradient        = model->gradient;
   const PetscInt    count           = model->disc.space->local * model->disc.block;
@@ -90,15 +68,10 @@ static PetscErrorCode StepAlongPack(MpmModel model, PetscInt n, PetscInt many, c
   for (PetscInt k = 0; k < many; k++) {
     residual[k] = &room[2 * k * count];
     du[k]       = &room[(2 * k + 1) * count];
-    of[k]       = (MpmStepDirection){.start = &start[k], .parameter = which[k]};
-    PetscCall(MpmStepVectorCreate(map, &start[k]));
+    PetscCall(Enter(model, n, which[k], map, &vectors[which[k]], &start[k], &of[k]));
     PetscCall(MpmStepVectorCreate(map, &end[k]));
-    PetscCall(MpmPointVectorMove(
-      model->comm, !n && gradient->start.at ? &gradient->start.at[which[k]] : &vectors[which[k]], &start[k]));
-    PetscCall(MpmPointVectorDestroy(&vectors[which[k]]));
-    MpmStageAlong(model, n, map, which[k], &start[k]);
   }
-  PetscCall(MpmTableAlong(map, &directions));
+  PetscCall(MpmPointsAlong(map, &directions));
   for (PetscInt k = 0; k < many; k++) {
     PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
     PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
@@ -108,7 +81,7 @@ static PetscErrorCode StepAlongPack(MpmModel model, PetscInt n, PetscInt many, c
     of[k].du = du[k];
   }
   directions.end = end;
-  PetscCall(MpmTableAlong(map, &directions));
+  PetscCall(MpmPointsAlong(map, &directions));
   for (PetscInt k = 0; k < many; k++) {
     PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
     PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
@@ -124,20 +97,18 @@ static PetscErrorCode StepAlongPack(MpmModel model, PetscInt n, PetscInt many, c
 /* All parameters in step n that have derivatives in closed form. */
 static PetscErrorCode StepAlongAll(MpmModel model, PetscInt n, const MpmStepMap *map, MpmPointVector vectors[])
 {
-  const PetscInt  count = model->gradient->parameters.count + model->gradient->grounds.direction_count;
-  const PetscBool packs = MpmStepHasTable(map);
-  PetscInt        which[MPM_PACK], many = 0;
+  const PetscInt count = model->gradient->parameters.count + model->gradient->grounds.direction_count;
+  PetscInt       which[MPM_PACK], many = 0;
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < count; k++) {
     if (!MpmGradientIsClosed(model->gradient, k)) continue;
-    if (!packs) PetscCall(StepAlong(model, n, k, map, &vectors[k]));
-    else which[many++] = k;
+    which[many++] = k;
     if (many < MPM_PACK) continue;
-    PetscCall(StepAlongPack(model, n, many, which, map, vectors));
+    PetscCall(StepAlong(model, n, many, which, map, vectors));
     many = 0;
   }
-  if (many) PetscCall(StepAlongPack(model, n, many, which, map, vectors));
+  if (many) PetscCall(StepAlong(model, n, many, which, map, vectors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

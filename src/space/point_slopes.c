@@ -248,6 +248,28 @@ void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, Mp
   if (dim < MPM_MAX_DIM) HoopSlopes(slopes, group, kind, axis, basis);
 }
 
+/* The sum of HoopSlopes() times `sums`. */
+static PetscReal SumHoop(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
+                         const PetscReal sums[])
+{
+  const MpmSpace *space = slopes->space;
+  const PetscInt  W     = slopes->width;
+  const MpmLines  w     = MpmPointLines(space->dim, space, space->shapes.at[0].weight, slopes->point, &MpmLineOne);
+  const PetscReal by = kind == MPM_BY_PLACE && !axis ? slopes->hoop[1] : 0., *const of = kind == MPM_BY_PLACE
+                                                                                           ? slopes->by_place
+                                                                                           : slopes->weight;
+  PetscReal total = 0.;
+
+  for (PetscInt j = 0; j < group->count[1]; j++) {
+    for (PetscInt k = 0; k < group->count[0]; k++) {
+      const PetscReal x = axis ? w.along[0][k] : of[k], y = axis ? of[W + j] : w.along[1][j];
+
+      total += (slopes->hoop[0] * x * y + by * w.along[0][k] * w.along[1][j]) * *sums++;
+    }
+  }
+  return total;
+}
+
 PetscReal MpmPointSlopesSum(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
                             PetscReal *const sums[])
 {
@@ -255,7 +277,7 @@ PetscReal MpmPointSlopesSum(const MpmPointSlopes *slopes, const MpmGroup *group,
   const PetscInt  dim = space->dim, W = slopes->width;
   MpmLines        w     = MpmPointLines(dim, space, space->shapes.at[0].weight, slopes->point, &MpmLineOne);
   MpmLines        g     = MpmPointLines(dim, space, space->shapes.at[0].gradient, slopes->point, &MpmLineZero);
-  PetscReal       total = 0.;
+  PetscReal       total = slopes->hoop[0] ? SumHoop(slopes, group, kind, axis, sums[MPM_HOOP_BASIS]) : 0.;
   PetscInt        n     = 0;
 
   w.along[axis] = kind == MPM_BY_PLACE ? &slopes->by_place[axis * W] : &slopes->weight[axis * W];

@@ -38,7 +38,7 @@ PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points
 */
 void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
                          const MpmBasis *basis);
-/* The sum over the group's nodes i of these derivatives of basis[b] times sums[b][i]. */
+/* The sum over the group's nodes i of these derivatives of basis[b] times sums[b][i], b in the order of MpmBasis. */
 PetscReal MpmPointSlopesSum(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
                             PetscReal *const sums[]);
 /* The derivative of the weight of a group's node i on an axis, alone. */

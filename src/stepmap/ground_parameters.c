@@ -193,20 +193,16 @@ PetscErrorCode MpmFieldParametersEnd(MPI_Comm comm, MpmFieldParameters *grounds,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscBool MpmGroundEnter(const MpmFieldParameter *parameter, const PetscReal along[], const MpmPoints *points,
-                         PetscInt dim, PetscInt p, double kernel[])
+PetscReal MpmGroundChange(const MpmFieldParameter *parameter, const PetscReal along[], const MpmPoints *points,
+                          PetscInt dim, PetscInt p)
 {
-  PetscReal change = 1.;
-
-  if (points->material[p] != parameter->material) return PETSC_FALSE;
-  if (along) change = MpmGroundAlong(parameter->ground, along, &points->origin[p * dim], points->id[p]);
-  for (PetscInt k = 0; k < parameter->place_count; k++) kernel[parameter->place[k]] = change;
-  return PETSC_TRUE;
+  if (points->material[p] != parameter->material) return 0.;
+  return along ? MpmGroundAlong(parameter->ground, along, &points->origin[p * dim], points->id[p]) : 1.;
 }
 
-void MpmGroundForget(const MpmFieldParameter *parameter, double kernel[])
+void MpmGroundDirections(const MpmFieldParameter *parameter, PetscReal change, PetscInt stride, double direction[])
 {
-  for (PetscInt k = 0; k < parameter->place_count; k++) kernel[parameter->place[k]] = 0.;
+  for (PetscInt k = 0; k < parameter->place_count; k++) direction[parameter->place[k] * stride] = change;
 }
 
 void MpmGroundTakePoint(const MpmFieldParameter *parameter, const MpmPoints *points, PetscInt dim, PetscInt p,

@@ -44,13 +44,11 @@ PetscErrorCode MpmGroundDirectionsCreate(PetscBool checks, MpmFieldParameters *g
 /* The adjoint run begins; ends: derivatives by the values of all fields, over all ranks. */
 PetscErrorCode MpmFieldParametersBegin(MpmFieldParameters *grounds);
 PetscErrorCode MpmFieldParametersEnd(MPI_Comm comm, MpmFieldParameters *grounds, PetscReal values[]);
-/*
-  The directions of a kernel's parameters at point p, by a change of the field (NULL: by 1 at the point); false where
-  the field does not act there. Forget makes them 0 again.
-*/
-PetscBool MpmGroundEnter(const MpmFieldParameter *parameter, const PetscReal along[], const MpmPoints *points,
-                         PetscInt dim, PetscInt p, double kernel[]);
-void      MpmGroundForget(const MpmFieldParameter *parameter, double kernel[]);
+/* The change of a field at point p along a direction (NULL: by 1 there); 0 where the field does not act. */
+PetscReal MpmGroundChange(const MpmFieldParameter *parameter, const PetscReal along[], const MpmPoints *points,
+                          PetscInt dim, PetscInt p);
+/* Directions of a law's numbers, each `stride` from the next, with such a change. */
+void MpmGroundDirections(const MpmFieldParameter *parameter, PetscReal change, PetscInt stride, double direction[]);
 /* A derivative by the field at point p. */
 void MpmGroundTakePoint(const MpmFieldParameter *parameter, const MpmPoints *points, PetscInt dim, PetscInt p,
                         PetscReal by);

@@ -99,10 +99,9 @@ static PetscReal AmountByGround(const Work *work, PetscInt k, const PetscReal al
 {
   const MpmFieldParameter *ground = &work->map->grounds->at[k];
   const MpmPoints         *points = work->map->sum->points;
-  const PetscReal         *x      = &points->origin[p * work->map->sum->space->dim];
 
-  if (!ground->density || work->share || points->material[p] != ground->material) return 0.;
-  return work->factor * points->volume0[p] * (along ? MpmGroundAlong(ground->ground, along, x, points->id[p]) : 1.);
+  if (!ground->density || work->share) return 0.;
+  return work->factor * points->volume0[p] * MpmGroundChange(ground, along, points, work->map->sum->space->dim, p);
 }
 
 /* A point's weights into work->basis, and the derivatives that it has. */

@@ -1,7 +1,6 @@
 /*
   Derivatives of a step's points, in packs of directions.
 */
-#include "particles/points.h"
 #include "point/material.h"
 #include "stepmap/point_table.h"
 
@@ -25,6 +24,19 @@ static PetscErrorCode FindPlaces(const MpmStepMap *map, PetscInt material, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The fields of this law. */
+static PetscErrorCode FindFields(const MpmStepMap *map, PetscInt material, PetscInt *count, PetscInt **field)
+{
+  const PetscInt all = map->grounds ? map->grounds->count : 0;
+
+  PetscFunctionBeginUser;
+  *count = 0;
+  PetscCall(PetscMalloc1((all + 1), field));
+  for (PetscInt k = 0; k < all; k++)
+    if (map->grounds->at[k].material == material) (*field)[(*count)++] = k;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The columns of a pack among `count` from `first` on. */
 typedef struct {
   PetscInt begin, end;
@@ -44,14 +56,18 @@ static void Seed(PetscInt first, PetscInt count, PetscInt pack, PetscReal seeds[
   *direction = part.begin < part.end ? seeds : NULL;
 }
 
-/* Directions along the parameters at these places. */
-static void SeedParameters(const MpmMaterial *material, const PetscInt place[], PetscInt first, PetscInt count,
-                           PetscInt pack, PetscReal seeds[], const PetscReal **direction)
+/* Directions along the parameters and fields of a law. */
+static void SeedNumbers(const MpmStepMap *map, const MpmMaterial *material, const MpmPointDirections *columns,
+                        PetscInt pack, PetscReal seeds[], const PetscReal **direction)
 {
-  const Part part = PartOf(first, count, pack);
+  const Part part = PartOf(columns->parameter, columns->count - columns->parameter, pack);
 
-  for (PetscInt c = part.begin; c < part.end; c++)
-    MpmMaterialDirection(material, place[c - first], 1., MPM_PACK, &seeds[c % MPM_PACK]);
+  for (PetscInt c = part.begin; c < part.end; c++) {
+    if (c < columns->ground)
+      MpmMaterialDirection(material, columns->place[c - columns->parameter], 1., MPM_PACK, &seeds[c % MPM_PACK]);
+    else
+      MpmGroundDirections(&map->grounds->at[columns->field[c - columns->ground]], 1., MPM_PACK, &seeds[c % MPM_PACK]);
+  }
   *direction = part.begin < part.end ? seeds : NULL;
 }
 
@@ -61,14 +77,16 @@ static PetscErrorCode ColumnsCreate(const MpmStepMap *map, PetscInt inputs, Pets
   const MpmMaterial *of   = &map->sum->materials[material];
   const PetscInt     F    = map->sum->points->F_size;
   const PetscInt     size = inputs + F + of->state_size + (PetscInt)of->info.parameter_count;
-  PetscInt           parameters;
+  PetscInt           parameters, fields;
 
   PetscFunctionBeginUser;
   PetscCall(FindPlaces(map, material, &parameters, &columns->place));
+  PetscCall(FindFields(map, material, &fields, &columns->field));
   columns->F         = inputs;
   columns->state     = columns->F + F;
   columns->parameter = columns->state + of->state_size;
-  columns->count     = columns->parameter + parameters;
+  columns->ground    = columns->parameter + parameters;
+  columns->count     = columns->ground + fields;
   columns->packs     = (columns->count + MPM_PACK - 1) / MPM_PACK;
   PetscCall(PetscCalloc2(columns->packs, &columns->pack, (columns->packs * size * MPM_PACK), &columns->seeds));
   for (PetscInt k = 0; k < columns->packs; k++) {
@@ -79,25 +97,9 @@ static PetscErrorCode ColumnsCreate(const MpmStepMap *map, PetscInt inputs, Pets
     Seed(0, inputs, k, seeds, &pack->input);
     Seed(columns->F, F, k, &seeds[inputs * MPM_PACK], &pack->F_n);
     Seed(columns->state, of->state_size, k, &seeds[(inputs + F) * MPM_PACK], &pack->state_n);
-    SeedParameters(of, columns->place, columns->parameter, parameters, k,
-                   &seeds[(inputs + F + of->state_size) * MPM_PACK], &pack->parameter);
+    SeedNumbers(map, of, columns, k, &seeds[(inputs + F + of->state_size) * MPM_PACK], &pack->parameter);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscBool MpmStepHasTable(const MpmStepMap *map)
-{
-  const MpmSum *sum = map->sum;
-
-  for (PetscInt k = 0; k < map->parameters->count; k++) {
-    const MpmSceneParameterKind kind = map->parameters->at[k].kind;
-
-    if (kind != MPM_OF_LAW && kind != MPM_OF_LOAD && kind != MPM_OF_OPTION) return PETSC_FALSE;
-  }
-  if (map->grounds && map->grounds->count) return PETSC_FALSE;
-  if (map->constants.shapes || sum->space->cells.spread || sum->layout->kinematics == MPM_AXISYMMETRY)
-    return PETSC_FALSE;
-  return (PetscBool)(!sum->layout->rate.count && !sum->layout->deviation.count && !sum->kept.own);
 }
 
 PetscErrorCode MpmPointTableCreate(const MpmStepMap *map, MpmPointTable **table)
@@ -106,8 +108,6 @@ PetscErrorCode MpmPointTableCreate(const MpmStepMap *map, MpmPointTable **table)
   MpmPointTable   *own;
 
   PetscFunctionBeginUser;
-  *table = NULL;
-  if (!MpmStepHasTable(map)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscNew(table));
   own                 = *table;
   own->inputs         = layout->kernel->inputs;
@@ -133,6 +133,7 @@ PetscErrorCode MpmPointTableDestroy(MpmPointTable **table)
   if (!*table) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt m = 0; m < (*table)->material_count; m++) {
     PetscCall(PetscFree((*table)->columns[m].place));
+    PetscCall(PetscFree((*table)->columns[m].field));
     PetscCall(PetscFree2((*table)->columns[m].pack, (*table)->columns[m].seeds));
   }
   PetscCall(PetscFree4((*table)->F, (*table)->stress, (*table)->state, (*table)->totals));
@@ -154,18 +155,12 @@ static inline const MpmPointDirections *Columns(const MpmStepMap *map, PetscInt 
   return &map->table->columns[map->sum->points->material[p]];
 }
 
-/* sum += factor row */
-static inline void AddRow(PetscReal factor, const PetscReal row[], PetscReal sum[])
-{
-  for (PetscInt j = 0; j < MPM_PACK; j++) sum[j] += factor * row[j];
-}
-
 PetscErrorCode MpmPointTableFill(const MpmStepMap *map, PetscInt p, const MpmKernelPoint *point,
                                  const MpmPointVector *end, MpmPointWork *work)
 {
   const MpmPointTable      *table   = map->table;
   const MpmPointDirections *columns = Columns(map, p);
-  const PetscInt            states  = map->sum->materials[map->sum->points->material[p]].state_size;
+  const PetscInt            states  = MpmPointStates(map, p);
   const MpmKernelEnd        slope   = {.state = table->state, .F = table->F, .stress = table->stress};
   PetscReal                *flux    = &table->at[p * table->record];
 
@@ -177,9 +172,9 @@ PetscErrorCode MpmPointTableFill(const MpmStepMap *map, PetscInt p, const MpmKer
       !map->sum->layout->kernel->sensitivity(point, work->input, &columns->pack[k], flux, &bars[MPM_PACK], &slope),
       PETSC_COMM_SELF, PETSC_ERR_FP, "a point has no answer at the solution of its step");
     for (PetscInt j = 0; j < MPM_PACK; j++) bars[j] = 0.;
-    for (PetscInt c = 0; c < end->F_size; c++) AddRow(end->F[p * end->F_size + c], &table->F[c * MPM_PACK], bars);
+    for (PetscInt c = 0; c < end->F_size; c++) MpmPackAdd(end->F[p * end->F_size + c], &table->F[c * MPM_PACK], bars);
     for (PetscInt c = 0; c < states; c++)
-      AddRow(end->state[p * end->state_size + c], &table->state[c * MPM_PACK], bars);
+      MpmPackAdd(end->state[p * end->state_size + c], &table->state[c * MPM_PACK], bars);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -216,12 +211,12 @@ void MpmPointTableTotals(const MpmStepMap *map, PetscInt p, PetscInt packs, cons
 
     for (PetscInt j = 0; j < MPM_PACK; j++) sum[j] = row[j];
     row += MPM_PACK;
-    for (PetscInt c = 0; c < work->known.inputs; c++, row += MPM_PACK) AddRow(-K[c], row, sum);
+    for (PetscInt c = 0; c < work->known.inputs; c++, row += MPM_PACK) MpmPackAdd(-K[c], row, sum);
     if (!mean) continue;
-    AddRow(-mean->along, row, sum);
-    AddRow(mean->by_mean * mean->share, row + MPM_PACK, sum);
+    MpmPackAdd(-mean->along, row, sum);
+    MpmPackAdd(mean->by_mean * mean->share, row + MPM_PACK, sum);
     row += 2 * MPM_PACK;
-    for (PetscInt c = 0; c < table->means; c++, row += MPM_PACK) AddRow(-mean->flux * mean->share * K[c], row, sum);
+    for (PetscInt c = 0; c < table->means; c++, row += MPM_PACK) MpmPackAdd(-mean->flux * mean->share * K[c], row, sum);
   }
 }
 
@@ -233,7 +228,10 @@ void MpmPointTableAdd(const MpmStepMap *map, PetscInt p, const PetscReal totals[
   for (PetscInt c = columns->F; c < columns->state; c++) start->F[p * start->F_size + c - columns->F] += totals[c];
   for (PetscInt c = columns->state; c < columns->parameter; c++)
     start->state[p * start->state_size + c - columns->state] += totals[c];
-  if (columns->count == columns->parameter) return;
+  for (PetscInt c = columns->ground; c < columns->count; c++)
+    MpmGroundTakePoint(&map->grounds->at[columns->field[c - columns->ground]], map->sum->points, start->dim, p,
+                       totals[c]);
+  if (columns->ground == columns->parameter) return;
   for (PetscInt k = 0; k < map->parameters->count; k++) {
     const MpmSceneParameter *parameter = &map->parameters->at[k];
     PetscInt                 at        = 0;

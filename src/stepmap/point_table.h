@@ -1,20 +1,19 @@
 #pragma once
 /*
   Derivatives of a step's points by all that their kernels take: inputs, F and history at the step's start, parameters
-  of the law; found once for a step, in packs of directions, for both halves of a pull.
-
-  Of physics without states beside F and history, in Cartesian axes, with means over whole cells.
+  of the law and fields of these; found once for a step, in packs of directions, for both halves of a pull.
 
   A point's record has the kernel's fluxes q and, of a physics with a mean, m and dm/dinput, then a table for each pack:
   rows of derivatives of the bars' part  Fbar : F' + zbar . z' , of q, of m and of dm/dinput, a column for each
-  direction.
+  direction. A new number that kernels take is a new range of columns.
 */
 #include "stepmap/point_work.h"
 
-/* Directions of a law's points: inputs, F, history and parameters, from these columns on. */
+/* Directions of a law's points: inputs, F, history, parameters and fields, from these columns on. */
 typedef struct {
-  PetscInt            F, state, parameter, count, packs;
+  PetscInt            F, state, parameter, ground, count, packs;
   PetscInt           *place; /* of the parameters in the law's table */
+  PetscInt           *field; /* of the fields among all */
   MpmKernelDirection *pack;
   PetscReal          *seeds;
 } MpmPointDirections;
@@ -29,6 +28,12 @@ struct MpmPointTable {
   PetscReal          *at;
 };
 
+/* The means over a point's cells as dL takes them: its volume, dL/dm_bar and the flux f, means of those of the cells,
+   and the mean of dm . K. */
+typedef struct {
+  PetscReal share, by_mean, flux, along;
+} MpmMeanPull;
+
 /* Fills a point's record but for the mean, at work->input. */
 PetscErrorCode MpmPointTableFill(const MpmStepMap *map, PetscInt p, const MpmKernelPoint *point,
                                  const MpmPointVector *end, MpmPointWork *work);
@@ -37,11 +42,11 @@ PetscErrorCode MpmPointTableFillMean(const MpmStepMap *map, PetscInt p, const Mp
                                      MpmPointWork *work);
 /*
   The derivatives of a point's part of L in the first `packs` packs of directions, with K in work->other_input; by the
-  mean of its cell, too, unless `mean` is NULL.
+  mean of its cells, too, unless `mean` is NULL.
 */
 void MpmPointTableTotals(const MpmStepMap *map, PetscInt p, PetscInt packs, const MpmMeanPull *mean, MpmPointWork *work,
                          PetscReal totals[]);
-/* Adds those by F, history and parameters. */
+/* Adds those by F, history, parameters and fields. */
 void MpmPointTableAdd(const MpmStepMap *map, PetscInt p, const PetscReal totals[], MpmPointVector *start,
                       PetscReal gradient[]);
 
@@ -64,17 +69,3 @@ static inline PetscInt MpmPointTableInputPacks(const MpmPointTable *table)
 {
   return (table->inputs + MPM_PACK - 1) / MPM_PACK;
 }
-
-/* A step's pull with the table (table_map.c), as MpmPointsPullSolution() and MpmPointsPullStart(). */
-PetscErrorCode MpmTablePullSolution(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
-                                    PetscReal u[]);
-PetscErrorCode MpmTablePullStart(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
-                                 MpmPointVector *start, PetscReal gradient[]);
-/* MpmPointPullWeights() in Cartesian axes, without changes of initial lengths. */
-PetscErrorCode MpmTablePullWeights(const MpmStepMap *map, const MpmGroup *group, PetscInt p, const MpmPointVector *end,
-                                   const PetscReal by_input[], MpmPointVector *start, MpmPointWork *work);
-/* With a mean over the cell (table_cells.c). */
-PetscErrorCode MpmTableCellsPullSolution(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
-                                         PetscReal u[]);
-PetscErrorCode MpmTableCellsPullStart(const MpmStepMap *map, const MpmPointVector *end, const PetscReal lam[],
-                                      MpmPointVector *start, PetscReal gradient[]);

@@ -35,7 +35,7 @@ typedef struct {
   PetscInt                  load_count;
   const MpmLoad            *loads;
   const PetscReal          *factors; /* of the loads in the step */
-  MpmPointTable            *table;   /* of a pull, or NULL */
+  MpmPointTable            *table;   /* of a pull; NULL: of none */
 } MpmStepMap;
 
 /* A direction: of the state, of one parameter (-1: none), of the solution (NULL: none). */
@@ -46,10 +46,6 @@ typedef struct {
   const MpmGroundDirection *ground; /* of a field; NULL: none */
 } MpmStepDirection;
 
-/* A vector over the states of points, and of the step's points. */
-PetscErrorCode MpmStateVectorCreate(const MpmSum *sum, const MpmPoints *points, MpmStepConstants constants,
-                                    MpmPointVector *vector);
-PetscErrorCode MpmStepVectorCreate(const MpmStepMap *map, MpmPointVector *vector);
 /* Up to MPM_PACK directions, dr of each at the local nodes, and ds' of each; `end` NULL: not wanted. */
 typedef struct {
   PetscInt                count;
@@ -58,14 +54,14 @@ typedef struct {
   MpmPointVector         *end;
 } MpmStepDirections;
 
-/* Adds dr at the local nodes, a rank's part; where `end` is not NULL also sets ds'. */
-PetscErrorCode MpmPointsAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[],
-                              MpmPointVector *end);
+/* A vector over the states of points, and of the step's points. */
+PetscErrorCode MpmStateVectorCreate(const MpmSum *sum, const MpmPoints *points, MpmStepConstants constants,
+                                    MpmPointVector *vector);
+PetscErrorCode MpmStepVectorCreate(const MpmStepMap *map, MpmPointVector *vector);
 
-/* True where the points have no other states and parameters than a table of their derivatives has. */
-PetscBool MpmStepHasTable(const MpmStepMap *map);
-/* MpmPointsAlong() for several directions, where there is a table (table_along.c). */
-PetscErrorCode MpmTableAlong(const MpmStepMap *map, const MpmStepDirections *directions);
+/* Adds dr at the local nodes, a rank's part; where `end` is not NULL also sets ds'. */
+PetscErrorCode MpmPointsAlong(const MpmStepMap *map, const MpmStepDirections *directions);
+
 /* Derivatives of the points, which PullSolution finds and PullStart uses (point_table.h). */
 PetscErrorCode MpmPointTableCreate(const MpmStepMap *map, MpmPointTable **table);
 PetscErrorCode MpmPointTableDestroy(MpmPointTable **table);

@@ -1,10 +1,8 @@
 /*
-  The points' part of a step's derivatives along several directions, as points_map.c has it for one.
+  One point along several directions.
 */
 #include "point/material.h"
-#include "stepmap/table_along.h"
-
-/* ---- one point ---- */
+#include "stepmap/point_along.h"
 
 PetscErrorCode MpmAlongWorkCreate(const MpmStepMap *map, MpmAlongWork *work)
 {
@@ -67,18 +65,11 @@ static void Rows(const MpmStepDirections *directions, MpmVectorField field, Pets
   }
 }
 
-/* sum += factor row */
-static inline void AddRow(PetscReal factor, const PetscReal row[], PetscReal sum[])
-{
-  for (PetscInt j = 0; j < MPM_PACK; j++) sum[j] += factor * row[j];
-}
-
-/* The changes of the arguments of the point's weights, and what they change. */
-static PetscErrorCode Arguments(const MpmStepMap *map, const MpmStepDirections *directions, const MpmGroup *group,
-                                PetscInt p, MpmAlongWork *work)
+PetscErrorCode MpmAlongArguments(const MpmStepMap *map, const MpmStepDirections *directions, const MpmGroup *group,
+                                 PetscInt p, MpmAlongWork *work)
 {
   MpmPointWork  *point = &work->point;
-  const PetscInt dim = map->sum->space->dim, n = point->known.n;
+  const PetscInt dim   = map->sum->space->dim;
 
   PetscFunctionBeginUser;
   PetscCall(MpmPointSlopesFind(map->rules, map->sum->points, group, p, &point->slopes));
@@ -88,7 +79,8 @@ static PetscErrorCode Arguments(const MpmStepMap *map, const MpmStepDirections *
     const PetscReal      *dx    = MpmPointNumbers(start, MPM_VECTOR_X, p);
     PetscReal             half[MPM_MAX_DIM];
 
-    MpmPointSlopesAlong(&point->slopes, start->F_size, dx, MpmPointNumbers(start, MPM_VECTOR_F, p), NULL, half);
+    MpmPointSlopesAlong(&point->slopes, start->F_size, dx, MpmPointNumbers(start, MPM_VECTOR_F, p),
+                        MpmPointNumbersIf(start, MPM_VECTOR_LENGTH, p), half);
     for (PetscInt k = 0; k < MPM_BY_COUNT * dim; k++) {
       const PetscReal change = k < dim ? dx[k] : half[k - dim];
 
@@ -96,6 +88,15 @@ static PetscErrorCode Arguments(const MpmStepMap *map, const MpmStepDirections *
       if (change != 0.) work->moves[k] = PETSC_TRUE;
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Changes of inputs and of the point's displacement by these arguments. */
+static void WeightsAlong(const MpmStepMap *map, const MpmGroup *group, MpmAlongWork *work)
+{
+  MpmPointWork  *point = &work->point;
+  const PetscInt dim = map->sum->space->dim, n = point->known.n;
+
   for (PetscInt k = 0; k < MPM_BY_COUNT * dim; k++) {
     PetscReal inputs[MPM_MAX_INPUTS];
 
@@ -103,10 +104,9 @@ static PetscErrorCode Arguments(const MpmStepMap *map, const MpmStepDirections *
     MpmPointSlopesBasis(&point->slopes, group, (MpmSlopeKind)(k / dim), k % dim, &work->part[k]);
     MpmSumInputs(point->known, map->sum->layout, point->u, &work->part[k], inputs);
     for (PetscInt i = 0; i < point->known.inputs; i++)
-      AddRow(inputs[i], &work->argument[k * MPM_PACK], &work->dinput[i * MPM_PACK]);
+      MpmPackAdd(inputs[i], &work->argument[k * MPM_PACK], &work->dinput[i * MPM_PACK]);
     for (PetscInt a = 0; a < dim; a++) work->place[k][a] = MpmBasisValue(&work->part[k], n, &point->u[a * n]);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmAlongEnter(const MpmStepMap *map, const MpmStepDirections *directions, const MpmGroup *group,
@@ -118,13 +118,31 @@ PetscErrorCode MpmAlongEnter(const MpmStepMap *map, const MpmStepDirections *dir
   PetscFunctionBeginUser;
   MpmPointEnter(map, p, PETSC_FALSE, point, at);
   PetscCall(PetscArrayzero(work->dinput, (point->known.inputs + map->sum->layout->means) * MPM_PACK));
-  PetscCall(Arguments(map, directions, group, p, work));
+  PetscCall(MpmAlongArguments(map, directions, group, p, work));
+  WeightsAlong(map, group, work);
   for (PetscInt j = 0; j < directions->count; j++) {
     if (!directions->of[j].du) continue;
     MpmSumInputs(point->known, map->sum->layout, &work->du[j * size], &point->basis, point->other_input);
     for (PetscInt k = 0; k < point->known.inputs; k++) work->dinput[k * MPM_PACK + j] += point->other_input[k];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The change of the law's numbers in a direction; false: none. */
+static PetscBool Numbers(const MpmStepMap *map, const MpmStepDirection *direction, PetscInt p, double numbers[])
+{
+  const MpmSceneParameter *parameter = direction->parameter < 0 ? NULL : &map->parameters->at[direction->parameter];
+  const MpmFieldParameter *field     = direction->ground ? &map->grounds->at[direction->ground->index] : NULL;
+
+  if (field && field->material == map->sum->points->material[p]) {
+    MpmGroundDirections(field,
+                        MpmGroundChange(field, direction->ground->along, map->sum->points, map->sum->space->dim, p),
+                        MPM_PACK, numbers);
+    return PETSC_TRUE;
+  }
+  if (!parameter || !MpmPointHasParameter(map, parameter, p)) return PETSC_FALSE;
+  MpmMaterialDirection(&map->sum->materials[parameter->index], parameter->place, 1., MPM_PACK, numbers);
+  return PETSC_TRUE;
 }
 
 MpmKernelDirection MpmAlongDirection(const MpmStepMap *map, const MpmStepDirections *directions, PetscInt p,
@@ -136,13 +154,8 @@ MpmKernelDirection MpmAlongDirection(const MpmStepMap *map, const MpmStepDirecti
   Rows(directions, MPM_VECTOR_F, p, map->sum->points->F_size, work->dF);
   Rows(directions, MPM_VECTOR_STATE, p, material->state_size, work->dstate);
   for (size_t k = 0; k < material->info.parameter_count * MPM_PACK; k++) work->parameter[k] = 0.;
-  for (PetscInt j = 0; j < directions->count; j++) {
-    const MpmSceneParameter *parameter = &map->parameters->at[directions->of[j].parameter];
-
-    if (!MpmPointHasParameter(map, parameter, p)) continue;
-    MpmMaterialDirection(material, parameter->place, 1., MPM_PACK, &work->parameter[j]);
-    direction.parameter = work->parameter;
-  }
+  for (PetscInt j = 0; j < directions->count; j++)
+    if (Numbers(map, &directions->of[j], p, &work->parameter[j])) direction.parameter = work->parameter;
   return direction;
 }
 
@@ -170,12 +183,18 @@ PetscErrorCode MpmAlongDifferentiate(const MpmStepMap *map, const MpmStepDirecti
 {
   const MpmKernelEnd       slope     = {.state = work->state, .F = work->F, .stress = work->stress};
   const MpmKernelDirection direction = MpmAlongDirection(map, directions, p, work);
-  const PetscInt           states    = map->sum->materials[map->sum->points->material[p]].state_size;
+  const PetscInt           states    = MpmPointStates(map, p);
 
   PetscFunctionBeginUser;
   PetscCheck(
     !map->sum->layout->kernel->sensitivity(point, work->point.input, &direction, work->point.flux, work->dflux, &slope),
     PETSC_COMM_SELF, PETSC_ERR_FP, "a point has no answer at the solution of its step");
+  for (PetscInt j = 0; j < directions->count; j++) { /* fluxes are in proportion to the initial volume */
+    const PetscReal change = MpmPointNumber(directions->of[j].start, MPM_VECTOR_VOLUME, p);
+
+    for (PetscInt k = 0; change != 0. && k < map->sum->layout->kernel->inputs; k++)
+      work->dflux[k * MPM_PACK + j] += change * work->point.flux[k];
+  }
   for (PetscInt j = 0; directions->end && j < directions->count; j++) {
     MpmPointVector *end = &directions->end[j];
 
@@ -205,32 +224,4 @@ void MpmAlongForces(const MpmStepMap *map, const MpmStepDirections *directions, 
     for (PetscInt k = 0; k < point->known.inputs; k++) column[k] = dflux[k * MPM_PACK + j];
     MpmSumAddFlux(point->known, map->sum->layout, &point->basis, column, &work->force[j * size]);
   }
-}
-
-/* ---- all points ---- */
-
-PetscErrorCode MpmTableAlong(const MpmStepMap *map, const MpmStepDirections *directions)
-{
-  const MpmSpace *space = map->sum->space;
-  MpmAlongWork    work;
-
-  PetscFunctionBeginUser;
-  if (map->sum->layout->means) PetscFunctionReturn(MpmTableCellsAlong(map, directions));
-  PetscCall(MpmAlongWorkCreate(map, &work));
-  for (PetscInt g = 0; g < space->group_count; g++) {
-    const MpmGroup *group = &space->groups[g];
-
-    MpmAlongGather(map, directions, group, &work);
-    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      MpmKernelPoint point;
-
-      PetscCall(MpmAlongEnter(map, directions, group, space->order[s], &work, &point));
-      PetscCall(MpmAlongDifferentiate(map, directions, space->order[s], &point, &work));
-      MpmAlongPlace(map, directions, space->order[s], &work);
-      MpmAlongForces(map, directions, work.point.flux, work.dflux, &work);
-    }
-    MpmAlongScatter(map, directions, group, &work);
-  }
-  PetscCall(MpmAlongWorkDestroy(&work));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  Up to MPM_PACK directions of a step at once, for the points that a table serves (point_table.h).
+  One point of a step along up to MPM_PACK directions at once.
 */
 #include "stepmap/point_work.h"
 
@@ -26,6 +26,9 @@ void MpmAlongGather(const MpmStepMap *map, const MpmStepDirections *directions, 
                     MpmAlongWork *work);
 void MpmAlongScatter(const MpmStepMap *map, const MpmStepDirections *directions, const MpmGroup *group,
                      const MpmAlongWork *work);
+/* The changes of the arguments of the point's weights. */
+PetscErrorCode MpmAlongArguments(const MpmStepMap *map, const MpmStepDirections *directions, const MpmGroup *group,
+                                 PetscInt p, MpmAlongWork *work);
 /* The point, its inputs, and the changes of these and of its state. */
 PetscErrorCode MpmAlongEnter(const MpmStepMap *map, const MpmStepDirections *directions, const MpmGroup *group,
                              PetscInt p, MpmAlongWork *work, MpmKernelPoint *point);
@@ -40,6 +43,3 @@ void MpmAlongPlace(const MpmStepMap *map, const MpmStepDirections *directions, P
 /* Adds the forces of the fluxes and their changes. */
 void MpmAlongForces(const MpmStepMap *map, const MpmStepDirections *directions, const PetscReal flux[],
                     const PetscReal dflux[], MpmAlongWork *work);
-
-/* MpmTableAlong() with a mean over the cell (table_cells_along.c). */
-PetscErrorCode MpmTableCellsAlong(const MpmStepMap *map, const MpmStepDirections *directions);
