@@ -21,6 +21,7 @@ from .laboratory import is_laboratory, plot_laboratory  # noqa: E402
 from .lines import plot_line  # noqa: E402
 from .scene import Scene  # noqa: E402
 from .states import plot_multiples, plot_state  # noqa: E402
+from .terrain import film_terrain, plot_terrain  # noqa: E402
 
 DESCRIPTION = """Draws the results of a run: the material coloured by a field, as a picture, several or a film, curves of
 the history, forces along a row of cuts, stress along a line, or a laboratory test."""
@@ -96,6 +97,11 @@ def plot_parser(program):
         action="store_true",
         help="draw the scene in its first state: grid, bodies by material, all that acts",
     )
+    parser.add_argument(
+        "--terrain",
+        action="store_true",
+        help="draw maps of a flow over terrain: its largest values, or those at --step, on the bed",
+    )
     parser.add_argument("--title", help="the picture's title (the scene's)")
     parser.add_argument("--output", help="file; its ending tells the format (plot.png, or plot.gif of a film)")
     return parser
@@ -119,6 +125,8 @@ def draw(results, scene, arguments):
             return plot_line(results, scene, kind, getattr(arguments, kind), arguments)
     if arguments.measured and not is_laboratory(results):
         raise ResultsError("--measured: measurements go with a laboratory test, physics stress_point")
+    if arguments.terrain:
+        return plot_terrain(results, scene, arguments)
     if arguments.scene:
         return plot_scene(results, scene, arguments)
     if is_laboratory(results):
@@ -139,6 +147,8 @@ def make(arguments):
     results = Results(arguments.prefix)
     if arguments.live:
         watch(lambda: Results(arguments.prefix), arguments, lambda now: draw(now, Scene(now), arguments))
+    elif arguments.film and arguments.terrain:
+        film_terrain(results, arguments)
     elif arguments.film:
         make_film(results, Scene(results), arguments)
     else:

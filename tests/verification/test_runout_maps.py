@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import ENVIRONMENT, Test  # noqa: E402
+from talus_test import ENVIRONMENT, ROOT, Test, call  # noqa: E402
+from maps import map_steps, read_map as read_whole  # noqa: E402
 
 ENVIRONMENT["TALUS_GDAL"] = "none"  # maps as text
 G = 9.81
@@ -154,8 +155,31 @@ def slide(test):
     rows = np.array([[float(word) for word in line.split(",")] for line in table[1:] if line])
     deep = rows[rows[:, 4] > 0.02]
     test.near("slide.way", run["way"], float(deep[-1, 0] - deep[0, 0]), relative=1e-7)
+    pictures(test, whole)
     plain = test.run(folder / "slide.yaml", mpm_gauges="bridge", mpm_maps_every=0)
     test.check("slide.plain", len(list(plain.folder.glob("*_00*.asc"))), 0, 0)
+
+
+def pictures(test, run):
+    """Bands of a GeoTIFF are those of the ASCII grids; a picture and a film have colours."""
+    ENVIRONMENT.pop("TALUS_GDAL")
+    folder = test.folder()
+    write_bed(folder)
+    (folder / "slide.yaml").write_text(SLIDE)
+    other = test.run(folder / "slide.yaml")
+    ENVIRONMENT["TALUS_GDAL"] = "none"
+    text, tiff = read_whole(f"{run.prefix}_peak"), read_whole(f"{other.prefix}_peak")
+    test.check("maps.steps", list(map_steps(run.prefix)) == list(map_steps(other.prefix)) == [0, 5, 9], 1, 1)
+    test.check("maps.places", float(abs(text.x - tiff.x).max() + abs(text.y - tiff.y).max()), 0, 1e-9)
+    for name, value in text.bands.items():
+        test.check(f"maps.{name}", float(np.nanmax(np.append(abs(value - tiff.bands[name]).ravel() / max(np.nanmax(abs(value)), 1), 0))), 0, 1e-9)
+        test.check(f"maps.data.{name}", int((np.isnan(value) != np.isnan(tiff.bands[name])).sum()), 0, 0)
+    for words in (["--output", "peak.png"], ["--field", "speed", "--step", "5", "--output", "step.png"], ["--film", "--output", "film.gif"]):
+        process = call([sys.executable, ROOT / "scripts/plot.py", other.prefix, "--terrain", *words], other.folder)
+        test.check(f"picture.{words[-1]}", process.returncode, 0, 0)
+        test.check(f"picture.{words[-1]}.size", (other.folder / words[-1]).stat().st_size if process.returncode == 0 else 0, 5000)
+    process = call([sys.executable, ROOT / "scripts/plot.py", other.prefix, "--terrain", "--field", "colour"], other.folder)
+    test.check("picture.field", process.returncode == 2 and "has no band 'colour'" in process.stderr, 1, 1)
 
 
 STOP = """mpm:
