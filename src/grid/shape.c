@@ -38,6 +38,7 @@ typedef struct {
   PetscInt  lower, upper; /* first and last interval between the edges */
   PetscReal offset;       /* 0 for knots at the nodes, -1/2 for knots between them */
   PetscReal local;        /* position from node `index` */
+  PetscReal touch;        /* overlaps that do not count, as a part of the domain */
 } Interval;
 
 PetscBool MpmShapeHasDomain(MpmShapeType type)
@@ -153,14 +154,14 @@ MPM_INLINE void AddPart(PetscInt degree, PetscBool whole, PetscReal t, PetscReal
 
 /*
   Averages over [-l, l] about the point; returns the number of nodes from *first on that were filled. An interval that
-  the domain enters by less than MPM_SHAPE_TOUCH of its length does not count: the interval before it is taken to reach
+  the domain enters by less than `touch` of its length does not count: the interval before it is taken to reach
   that far, as at an edge. A body whose faces lie on cell faces would otherwise, by rounding, touch nodes that have no
   stiffness.
 */
 MPM_INLINE PetscInt AddDomain(PetscInt degree, PetscBool whole, Interval at, PetscReal l, PetscInt *first,
                               PetscReal w[], PetscReal g[])
 {
-  const PetscReal inverse = 0.5 / l, reach = l - 2. * l * MPM_SHAPE_TOUCH;
+  const PetscReal inverse = 0.5 / l, reach = l - 2. * l * at.touch;
   const PetscReal knot = at.offset - at.local; /* distance from the point to the lower end of its interval */
   PetscInt        low = 0, high = 0, count;
   PetscReal       from = -l, weight[3] = {0.}, slope[3] = {0.}; /* of the nodes that the next interval meets, too */
@@ -366,10 +367,11 @@ MPM_INLINE void EvaluateAll(PetscInt degree, PetscBool domain, MpmEdgeType edge,
   const PetscInt width = lines->width;
 
   for (PetscInt k = 0; k < count; k++) {
-    const Interval  here = Locate(degree, at->xi[k], at->edge_lower[k], at->edge_upper[k]);
+    Interval        here = Locate(degree, at->xi[k], at->edge_lower[k], at->edge_upper[k]);
     const PetscReal l    = domain ? at->half_length[k] : 0.;
     MpmShapeLine    line = {.weight = &lines->weight[k * width], .gradient = &lines->gradient[k * width]};
 
+    here.touch = at->touch;
     if (lines->smooth > 0.) {
       EvaluateSmoothLine(degree, edge, here, l, k, lines);
       continue;
@@ -414,7 +416,8 @@ void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscRe
                                .cross    = line->cross,
                                .slope    = line->slope};
 
-  MpmShapeEvaluateAll(type, edge, 1, &(MpmShapePlaces){&xi, &half_length, &edge_lower, &edge_upper}, &lines);
+  MpmShapeEvaluateAll(type, edge, 1, &(MpmShapePlaces){&xi, &half_length, &edge_lower, &edge_upper, MPM_SHAPE_TOUCH},
+                      &lines);
 }
 
 void MpmShapeExtend(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal by, PetscInt edge_lower,

@@ -44,6 +44,9 @@ typedef struct {
 
 /* Overlaps with an interval that are smaller than this part of the domain are rounding. */
 #define MPM_SHAPE_TOUCH 1e-9
+/* In explicit steps of columns under their own pressure: as long as overlaps do not count, a body whose points fill whole
+   cells has half of its pressure's stiffness, and modes without any that grow. */
+#define MPM_SHAPE_TOUCH_COLUMNS 1e-14
 /* Distance, in cells, that points on a face or an edge count as inside: no node has a gradient without a weight. */
 #define MPM_SHAPE_INSIDE PETSC_MACHINE_EPSILON
 /* Domains shorter than this count as points: their inverse length would overflow. */
@@ -78,6 +81,7 @@ void MpmShapeEvaluate(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscRe
 typedef struct {
   const PetscReal *xi, *half_length;
   const PetscInt  *edge_lower, *edge_upper;
+  PetscReal        touch; /* MPM_SHAPE_TOUCH, or another */
 } MpmShapePlaces;
 typedef struct {
   PetscInt   width; /* numbers a line; gradients and slopes behind its nodes become 0 */

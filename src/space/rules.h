@@ -53,6 +53,7 @@ typedef struct MpmRules {
   const MpmLayout   *layout;
   MpmWallList        walls;
   MpmStretch         stretch;
+  PetscReal          touch;   /* of a domain: overlaps with a cell that do not count */
   PetscReal          longest; /* half-length of a domain, cells: material drawn further separates; 0: any */
   const MpmMaterial *materials;
   PetscInt           material_count;

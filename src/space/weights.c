@@ -181,7 +181,8 @@ static void EvaluateBlock(const MpmRules *rules, const Shape *shape, const Block
 
   if (shape->spacing == 1) {
     MpmShapeEvaluateAll(shape->type, rules->edge, count,
-                        &(MpmShapePlaces){block->xi, half ? half : block->xi, block->first, block->last}, lines);
+                        &(MpmShapePlaces){block->xi, half ? half : block->xi, block->first, block->last, rules->touch},
+                        lines);
     return;
   }
   for (PetscInt k = 0; k < count; k++) {

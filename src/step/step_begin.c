@@ -41,6 +41,7 @@ MpmRules MpmStepRules(MpmModel model, PetscReal time)
                .layout         = model->disc.layout,
                .walls          = {model->state.acting.walls.count, model->state.acting.walls.at},
                .stretch        = solves ? model->scene.deformation.stretch : MpmStretchFindQuick(model->disc.dim),
+               .touch          = model->scene.deformation.bed ? MPM_SHAPE_TOUCH_COLUMNS : MPM_SHAPE_TOUCH,
                .longest        = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
                .parts          = model->disc.material.parts,
                .materials      = model->disc.sum->materials,

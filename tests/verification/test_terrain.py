@@ -91,7 +91,7 @@ def lake(test, name, function, slope, ranks):
   quiet: true
 """)
     state = test.run(folder / "lake.yaml", ranks=ranks).results.state("last")
-    test.check(f"lake.{name}.{slope}.{ranks}", float(abs(state["velocity"]).max()) / math.sqrt(G), 0, 1e-9)
+    test.check(f"lake.{name}.{slope}.{ranks}", float(abs(state["velocity"]).max()) / math.sqrt(G), 0, 1e-12)
 
 
 SLIDE = """mpm:
