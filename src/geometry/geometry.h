@@ -1,7 +1,7 @@
 #pragma once
 /*
-  MpmRegion - a part of space, read from options: box, sphere, cylinder, polygon, layers of ground (file regions of
-  bodies are read by the bodies).
+  MpmRegion - a part of space, read from options: box, sphere, cylinder, polygon, layers of ground, outline
+              (file regions of bodies are read by the bodies).
   MpmRamp   - a piecewise linear factor of time, read from "time:factor" pairs.
 */
 #include "base/base.h"
@@ -14,10 +14,13 @@ typedef enum {
   MPM_REGION_CYLINDER,
   MPM_REGION_POLYGON,
   MPM_REGION_LAYERS,
+  MPM_REGION_OUTLINE,
+  MPM_REGION_RASTER,
   MPM_REGION_FILE
 } MpmRegionType;
 
 typedef struct _p_MpmRegion *MpmRegion;
+struct MpmOutline;
 
 /* For -help: the options of every type of region. */
 PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm);
@@ -33,6 +36,8 @@ MpmRegionType  MpmRegionGetType(MpmRegion region);
   Puts a layer beneath another one: its top is the lower end of the layer above, and where that one thins out, its top.
 */
 PetscErrorCode MpmRegionSetAbove(MpmRegion region, MpmRegion above);
+/* Lends the outline of a region of type outline or raster, or NULL. */
+const struct MpmOutline *MpmRegionOutline(MpmRegion region);
 /* True where a layer has a lower end. */
 PetscBool MpmRegionIsBoundedBelow(MpmRegion region);
 /*

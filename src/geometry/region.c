@@ -10,6 +10,8 @@
     polygon   vertices: x1,y1,x2,y2,... in order round the boundary, closed by itself; in 3D a prism along z, from
               lower_z to upper_z where they are given
     layers    one layer of ground between the lines top and bottom (layers.c)
+    outline   the polygons of a file (region_outline.c)
+    raster    of bodies of depth-averaged flow: as outline, or what a map of depths covers
 
   All of them are cut to the box from clip_lower to clip_upper, where these are given: an octant of a sphere.
 */
@@ -19,7 +21,8 @@
 #include <math.h>
 #include <stdio.h>
 
-static const char *const region_types[] = {"all", "box", "sphere", "cylinder", "polygon", "layers", "file", NULL};
+static const char *const region_types[] = {"all",    "box",     "sphere", "cylinder", "polygon",
+                                           "layers", "outline", "raster", "file",     NULL};
 
 static const char *Prefix(const MpmOptions *options)
 {
@@ -232,14 +235,15 @@ static PetscErrorCode ReadPolygon(const MpmOptions *options, MpmRegion region)
 /* Geometry without a type is a slip that would otherwise fill the grid. */
 static PetscErrorCode CheckNoGeometry(const MpmOptions *options)
 {
-  static const char *const names[] = {"lower", "upper", "center", "radius", "vertices", "top"};
+  static const char *const names[] = {"lower", "upper", "center", "radius", "vertices", "top", "outline"};
 
   PetscFunctionBegin;
   for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
     PetscBool has;
 
     PetscCall(MpmOptionsHas(options, names[i], &has));
-    MpmCheckInput(!has, "-%sregion is missing, but -%s%s is given: one of box, sphere, cylinder, polygon, layers",
+    MpmCheckInput(!has,
+                  "-%sregion is missing, but -%s%s is given: one of box, sphere, cylinder, polygon, layers, outline",
                   Prefix(options), Prefix(options), names[i]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -264,6 +268,10 @@ static PetscErrorCode ReadGeometry(const MpmOptions *options, MpmRegion region)
   case MPM_REGION_LAYERS:
     PetscCall(MpmLayerRead(options, region));
     break;
+  case MPM_REGION_OUTLINE:
+  case MPM_REGION_RASTER:
+    PetscCall(MpmRegionOutlineRead(options, region));
+    break;
   case MPM_REGION_ALL:
     PetscCall(CheckNoGeometry(options));
     break;
@@ -286,7 +294,7 @@ static void Unbound(MpmRegion region)
 static PetscErrorCode ReadClip(const MpmOptions *options, MpmRegion region)
 {
   PetscFunctionBegin;
-  if (region->type == MPM_REGION_FILE) PetscFunctionReturn(PETSC_SUCCESS);
+  if (region->type == MPM_REGION_FILE || region->type == MPM_REGION_RASTER) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsReals(options, "clip_lower", "m", "the region ends at this lower corner", MPM_RANGE_ANY,
                             MPM_OPTIONAL, region->dim, region->clip[0], NULL));
   PetscCall(MpmOptionsReals(options, "clip_upper", "m", "the region ends at this upper corner", MPM_RANGE_ANY,
@@ -336,6 +344,7 @@ PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm)
                {MPM_REGION_SPHERE, 2, "Regions of type sphere; in 2D, a disc"},
                {MPM_REGION_CYLINDER, 3, "Regions of type cylinder, in 3D"},
                {MPM_REGION_POLYGON, 3, "Regions of type polygon; in 3D, a prism along z"},
+               {MPM_REGION_OUTLINE, 3, "Regions of type outline: polygons of a file; in 3D, prisms along z"},
                {MPM_REGION_LAYERS, 3, "Regions of type layers; in 3D, a prism along z"}};
   const MpmOptions options = {comm, "mpm_BLOCK_", NULL};
 
@@ -356,6 +365,7 @@ PetscErrorCode MpmRegionDestroy(MpmRegion *region)
   PetscFunctionBegin;
   if (!*region) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*region)->vertices));
+  PetscCall(MpmOutlineDestroy(&(*region)->outline));
   PetscCall(MpmPolylineDestroy(&(*region)->layer.top));
   PetscCall(MpmPolylineDestroy(&(*region)->layer.bottom));
   PetscCall(PetscFree(*region));

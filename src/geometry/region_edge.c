@@ -92,6 +92,9 @@ PetscBool MpmRegionContains(MpmRegion region, const PetscReal x[])
     return InPolygon(region, x);
   case MPM_REGION_LAYERS:
     return MpmLayerContains(region, x);
+  case MPM_REGION_OUTLINE:
+  case MPM_REGION_RASTER:
+    return MpmRegionOutlineHolds(region, x);
   default:
     return PETSC_TRUE;
   }

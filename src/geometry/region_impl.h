@@ -3,7 +3,8 @@
   Shared by the files of the object: region.c, region_edge.c and layers.c.
 */
 #include "geometry/geometry.h"
-#include "geometry/polyline.h"
+#include "maps/polyline.h"
+#include "maps/outline.h"
 
 #define MPM_REGION_DIM 3
 
@@ -19,6 +20,7 @@ struct _p_MpmRegion {
   PetscReal  radius, length;         /* length < 0: endless */
   PetscInt   vertex_count;
   PetscReal *vertices; /* in units of the tolerance, so that a distance up to 1 is on the edge */
+  MpmOutline outline;  /* of type outline, and raster where it has a file */
   struct {
     MpmPolyline top, bottom; /* of a layer; the bottom is nowhere above the top */
   } layer;
@@ -29,6 +31,12 @@ PetscErrorCode MpmLayerRead(const MpmOptions *options, MpmRegion region);
 PetscBool      MpmLayerContains(MpmRegion region, const PetscReal x[]);
 /* True where the layer has a thickness at x; side as in MpmPolylineHeight(). */
 PetscBool MpmLayerIsThere(MpmRegion region, PetscReal x, PetscInt side);
+/* A region of type outline or raster (region_outline.c): reading, and places within the tolerance. */
+PetscErrorCode MpmRegionOutlineRead(const MpmOptions *options, MpmRegion region);
+PetscBool      MpmRegionOutlineHolds(MpmRegion region, const PetscReal x[]);
+/* Area of its polygons in a rectangle, and its centroid. */
+PetscReal MpmRegionOutlinePart(MpmRegion region, const PetscReal lower[], const PetscReal upper[],
+                               PetscReal centroid[]);
 /* From a prism's lower_z to upper_z. */
 PetscErrorCode MpmPrismRead(const MpmOptions *options, MpmRegion region);
 

@@ -260,6 +260,7 @@ PetscReal MpmRegionPart(MpmRegion region, const PetscReal lower[], const PetscRe
     if (!(low[a] < high[a])) return 0.;
     size *= high[a] - low[a];
   }
+  if (region->type == MPM_REGION_OUTLINE) return MpmRegionOutlinePart(region, low, high, centroid) * (high[2] - low[2]);
   if (region->type == MPM_REGION_POLYGON || region->type == MPM_REGION_LAYERS) {
     const Moments part = PlanePart(region, low, high);
 
@@ -312,6 +313,8 @@ PetscBool MpmRegionIsNearEdge(MpmRegion region, const PetscReal x[], PetscReal d
   switch (region->type) {
   case MPM_REGION_POLYGON:
     return IsNearLine(region->vertex_count, region->vertices, PETSC_TRUE, region->tolerance, x, distance);
+  case MPM_REGION_OUTLINE:
+    return (PetscBool)(MpmOutlineDistance(&region->outline, x) <= distance);
   case MPM_REGION_LAYERS:
     for (PetscInt k = 0; k < 2; k++) {
       const MpmPolyline *line = k ? &region->layer.top : &region->layer.bottom;

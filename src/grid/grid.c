@@ -7,6 +7,7 @@
   for instance. Where a layer of cells holds too much for that, the split passes through it with a step.
 */
 #include "options/options.h"
+#include "grid/extent.h"
 #include "grid/grid.h"
 #include "grid/partition.h"
 
@@ -33,9 +34,7 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
     grid->h[a]                      = 1.;
   }
   PetscCall(MpmOptionsHeading(&block, "Grid"));
-  PetscCall(MpmOptionsReals(&block, "lower", "m", "lower corner", MPM_RANGE_ANY, MPM_REQUIRED, dim, grid->lower, NULL));
-  PetscCall(MpmOptionsReals(&block, "upper", "m", "upper corner", MPM_RANGE_ANY, MPM_REQUIRED, dim, grid->upper, NULL));
-  PetscCall(MpmOptionsInts(&block, "cells", "cells per axis", 1, 999999999, MPM_REQUIRED, dim, grid->cells, NULL));
+  PetscCall(MpmGridReadExtent(&block, options, grid));
   PetscCall(MpmOptionsInt(&block, "refine", "multiplies the cells per axis", 1, 1000000, MPM_OPTIONAL, &refine, NULL));
   grid->balance = BALANCE;
   PetscCall(MpmOptionsReal(&block, "balance", "-",

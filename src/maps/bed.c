@@ -37,25 +37,58 @@ static PetscErrorCode Cover(const MpmBed *bed, const PetscReal lower[], const Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Options of the map, and its pixels about the grid. */
-static PetscErrorCode ReadMap(const MpmOptions *terrain, const PetscReal lower[], const PetscReal upper[], MpmBed *bed)
+/* The map's file, and how it is read. */
+static PetscErrorCode ReadFile(const MpmOptions *terrain, MpmMapAsk *ask, MpmBed *bed)
 {
-  MpmMapAsk ask                      = {.band = 1, .lower = lower, .upper = upper};
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsPath(terrain, "file",
+                           "map of the bed's height, m: an ESRI ASCII grid, or a GeoTIFF or other file that GDAL reads",
+                           MPM_OPTIONAL, &bed->file));
+  if (!bed->file && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOptionsInt(terrain, "band", "band of the file", 1, 65535, MPM_OPTIONAL, &ask->band, NULL));
+  PetscCall(MpmOptionsText(terrain, "project",
+                           "coordinate system in metres to which maps and outlines are brought, as EPSG:32632", NULL,
+                           MPM_OPTIONAL, &bed->project));
+  ask->project = bed->project;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBedExtent(const MpmOptions *options, PetscReal lower[2], PetscReal upper[2])
+{
+  const MpmOptions terrain                  = {options->comm, "mpm_terrain_", options->record};
+  MpmMapAsk        ask                      = {.band = 1, .frame = PETSC_TRUE};
+  MpmBed           bed                      = {.file = NULL};
+  char             message[MPM_MAP_MESSAGE] = "";
+
+  PetscFunctionBeginUser;
+  PetscCall(ReadFile(&terrain, &ask, &bed));
+  MpmCheckInput(bed.file, "-mpm_grid_terrain: -mpm_terrain_file is missing");
+  PetscCall(MpmMapRead(bed.file, &ask, &bed.map, message));
+  MpmCheckInput(!message[0], "-mpm_terrain_file %s: %s", bed.file, message);
+  lower[0] = bed.map.x0;
+  lower[1] = bed.map.y0;
+  upper[0] = bed.map.x0 + (PetscReal)(bed.map.columns - 1) * bed.map.cell[0];
+  upper[1] = bed.map.y0 + (PetscReal)(bed.map.rows - 1) * bed.map.cell[1];
+  PetscCall(MpmBedDestroy(&bed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The pixels about the grid. */
+static PetscErrorCode ReadMap(const MpmOptions *terrain, const PetscReal lower[], const PetscReal upper[],
+                              MpmMapAsk *ask, MpmBed *bed)
+{
   PetscReal smooth                   = 0.;
   char      message[MPM_MAP_MESSAGE] = "";
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsInt(terrain, "band", "band of the file", 1, 65535, MPM_OPTIONAL, &ask.band, NULL));
-  PetscCall(MpmOptionsText(terrain, "project",
-                           "coordinate system in metres to which maps and outlines are brought, as EPSG:32632", NULL,
-                           MPM_OPTIONAL, &bed->project));
   PetscCall(MpmOptionsReal(terrain, "smooth", "pixels",
                            "standard deviation of the Gaussian by which heights are averaged",
                            ((MpmRange){0., 1000., PETSC_FALSE}), MPM_OPTIONAL, &smooth, NULL));
-  if (!bed->file || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  ask.project = bed->project;
-  ask.margin  = 1 + MpmMapSmoothReach(smooth);
-  PetscCall(MpmMapRead(bed->file, &ask, &bed->map, message));
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  ask->lower  = lower;
+  ask->upper  = upper;
+  ask->margin = 1 + MpmMapSmoothReach(smooth);
+  PetscCall(MpmMapRead(bed->file, ask, &bed->map, message));
   MpmCheckInput(!message[0], "-mpm_terrain_file %s: %s", bed->file, message);
   PetscCall(MpmMapSmooth(smooth, &bed->map));
   PetscCall(Cover(bed, lower, upper));
@@ -66,14 +99,13 @@ PetscErrorCode MpmBedRead(const MpmOptions *options, const PetscReal lower[], co
 {
   static const char *const slopes[] = {"normal", "vertical", NULL};
   const MpmOptions         terrain  = {options->comm, "mpm_terrain_", options->record};
+  MpmMapAsk                ask      = {.band = 1};
   PetscInt                 slope    = 0;
   PetscBool                given;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsHeading(options, "Terrain (-mpm_physics depth_averaged)"));
-  PetscCall(MpmOptionsPath(&terrain, "file",
-                           "map of the bed's height, m: an ESRI ASCII grid, or a GeoTIFF or other file that GDAL reads",
-                           MPM_OPTIONAL, &bed->file));
+  PetscCall(ReadFile(&terrain, &ask, bed));
   PetscCall(MpmOptionsReals(options, "bed", "m, m/m",
                             "without a map the bed is a plane: height at the origin, and its "
                             "slopes along x and y",
@@ -83,7 +115,7 @@ PetscErrorCode MpmBedRead(const MpmOptions *options, const PetscReal lower[], co
                            slopes, MPM_OPTIONAL, &slope, NULL));
   bed->normal = (PetscBool)!slope;
   MpmCheckInput(!given || !bed->file || MpmOptionsHelp(), "-mpm_bed: -mpm_terrain_file has the bed");
-  if (bed->file || MpmOptionsHelp()) PetscCall(ReadMap(&terrain, lower, upper, bed));
+  if (bed->file || MpmOptionsHelp()) PetscCall(ReadMap(&terrain, lower, upper, &ask, bed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

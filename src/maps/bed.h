@@ -22,6 +22,8 @@ struct MpmBed {
   material may leave.
 */
 PetscErrorCode MpmBedRead(const MpmOptions *options, const PetscReal lower[], const PetscReal upper[], MpmBed *bed);
+/* Reads the rectangle between the centres of the outer pixels of the terrain's map, before the grid is known. */
+PetscErrorCode MpmBedExtent(const MpmOptions *options, PetscReal lower[2], PetscReal upper[2]);
 PetscErrorCode MpmBedDestroy(MpmBed *bed);
 /* Height at a place, m. */
 PetscReal MpmBedHeight(const MpmBed *bed, const PetscReal x[]);

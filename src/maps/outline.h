@@ -19,7 +19,7 @@ typedef struct {
   at[2 v + 1]. Rings end before their first vertex comes again; outer ones turn left, holes right, and no two edges
   cross.
 */
-typedef struct {
+typedef struct MpmOutline {
   PetscInt    features, paths, names;
   MpmFeature *feature;
   PetscInt   *start;

@@ -261,9 +261,8 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
     PetscCall(MpmBodyCreate(options, model->disc.grid, model->scene.materials->count, model->scene.materials->at,
                             model->scene.bodies, b));
     PetscCall(MpmReadBodyFile(model, options, b));
-    if (model->scene.deformation.bed)
-      PetscCall(MpmBodyReadDepth(options, model->scene.bodies->names[b], model->scene.deformation.bed,
-                                 model->scene.shape.type, model->scene.shape.edge, model->scene.bodies->at[b]));
+    PetscCall(MpmBodyReadDepth(options, model->scene.bodies->names[b], model->disc.grid, model->scene.deformation.bed,
+                               model->scene.shape.type, model->scene.shape.edge, model->scene.bodies->at[b]));
     MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
 
     material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies->at[b]));

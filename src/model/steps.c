@@ -251,7 +251,7 @@ PetscErrorCode MpmModelRunSteps(MpmModel model, PetscBool *interrupted)
   model->results->history_step = model->state.step;
   if (model->gradient) PetscCall(MpmGradientCollect(model));
   PetscCall(MpmCheckpointStep(model, interrupted));
-  while (!*interrupted && !model->caller.stop && !AtEnd(model)) {
+  while (!*interrupted && !model->caller.stop && !model->caller.points && !AtEnd(model)) {
     const PetscInt before = model->state.step;
 
     PetscCall(TakeStep(model, &dt));

@@ -4,7 +4,9 @@
 #include <stdarg.h>
 #include "grid/grid.h"
 #include "grid/shape.h"
+#include "particles/body.h"
 #include "particles/particles.h"
+#include "point/material.h"
 #include "rigid/rigid.h"
 #include "query/model.h"
 #include "query/query.h"
@@ -85,6 +87,25 @@ static PetscErrorCode PrintMotion(const MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Bodies from maps: volume, mass, and error of the volume. */
+static PetscErrorCode PrintReleases(const MpmModel model)
+{
+  PetscReal exact, volume;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
+    const MpmBody      body     = model->scene.bodies->at[b];
+    const MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(body)];
+
+    if (!MpmBodyVolume(body, &exact, &volume)) continue;
+    PetscCall(PetscPrintf(model->comm,
+                          "  body %s: %.10g m3, %.6g kg; the integral of its depth is %.10g m3, error %.1e\n",
+                          model->scene.bodies->names[b], (double)volume, (double)(volume * material->density),
+                          (double)exact, (double)PetscAbsReal(volume / exact - 1.)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTerminalBegin(MpmModel model, const char *what)
 {
   const MpmGrid *grid = model->disc.grid;
@@ -124,6 +145,7 @@ PetscErrorCode MpmTerminalBegin(MpmModel model, const char *what)
   PetscCall(PetscPrintf(model->comm, " cells of %g x %g", (double)grid->h[0], (double)grid->h[1]));
   if (grid->dim > 2) PetscCall(PetscPrintf(model->comm, " x %g", (double)grid->h[2]));
   PetscCall(PetscPrintf(model->comm, " m\n"));
+  PetscCall(PrintReleases(model));
   PetscCall(MpmWeldsPrint(model));
   PetscCall(PrintCoarse(model));
   PetscCall(PrintTitles(model));

@@ -15,6 +15,18 @@ PetscErrorCode               MpmRecordCreate(MpmRecord *record);
 PetscErrorCode               MpmRecordDestroy(MpmRecord *record);
 
 /*
+  Coordinates of a scene on a map: its system, borrowed texts or NULL, and a local origin that places are less.
+*/
+typedef struct {
+  const char *project, *system;
+  PetscReal   origin[2]; /* m */
+} MpmPlane;
+/* Copies it, with borrowed texts. */
+void MpmRecordSetPlane(MpmRecord record, const MpmPlane *plane);
+/* Lends it, or NULL where the scene is on no map. */
+const MpmPlane *MpmRecordPlane(MpmRecord record);
+
+/*
   Where a block of options lives: `prefix` without the leading dash, like "mpm_material_beam_". `record` may be NULL.
 */
 typedef struct MpmOptions {

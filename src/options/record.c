@@ -41,6 +41,17 @@ PetscErrorCode MpmRecordDestroy(MpmRecord *record)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmRecordSetPlane(MpmRecord record, const MpmPlane *plane)
+{
+  record->plane  = *plane;
+  record->on_map = PETSC_TRUE;
+}
+
+const MpmPlane *MpmRecordPlane(MpmRecord record)
+{
+  return record && record->on_map ? &record->plane : NULL;
+}
+
 PetscErrorCode MpmRecordFind(MpmRecord record, const char name[], MpmRecordEntry **entry)
 {
   PetscFunctionBegin;

@@ -41,6 +41,8 @@ struct _p_MpmRecord {
   PetscInt        foreign_count;
   MpmGivenOption *foreign; /* unused.c */
   MpmMoment       moment;  /* up to which they have been looked through */
+  PetscBool       on_map;
+  MpmPlane        plane;
 };
 
 /* The block with this prefix is being read. */

@@ -32,7 +32,8 @@ static PetscErrorCode FindCells(const MpmOptions *block, const MpmGrid *grid, Mp
     body->cells.lower[a] = 0;
     body->cells.upper[a] = 1;
     if (a >= grid->dim) continue;
-    MpmCheckInput(lower[a] <= PETSC_NINFINITY || upper[a] >= PETSC_INFINITY ||
+    MpmCheckInput(MpmRegionGetType(body->region) == MPM_REGION_RASTER || lower[a] <= PETSC_NINFINITY ||
+                    upper[a] >= PETSC_INFINITY ||
                     (lower[a] >= grid->lower[a] - tolerance && upper[a] <= grid->upper[a] + tolerance),
                   "-%sregion: the body spans [%g, %g] on axis %c, outside the grid, [%g, %g]; -%sclip_lower and "
                   "-%sclip_upper cut it",
@@ -202,18 +203,31 @@ PetscBool MpmBodyFileHasMass(MpmBody body)
   return (PetscBool)(body->imported && MpmImportedHasMass(body->imported));
 }
 
-PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, const MpmBed *bed, MpmShapeType shape,
-                                MpmEdgeType edge, MpmBody body)
+PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, const MpmGrid *grid, const MpmBed *bed,
+                                MpmShapeType shape, MpmEdgeType edge, MpmBody body)
 {
   char             prefix[256];
-  const MpmOptions block = {options->comm, prefix, options->record};
+  const MpmOptions block  = {options->comm, prefix, options->record};
+  const PetscBool  raster = (PetscBool)(MpmRegionGetType(body->region) == MPM_REGION_RASTER);
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
+  MpmCheckInput(bed || !raster || MpmOptionsHelp(), "-%sregion raster: is for -mpm_physics depth_averaged",
+                block.prefix);
+  if (!bed && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(!body->imported || MpmOptionsHelp(),
                 "-%sregion file: points on a bed are made from a region with a depth or a level", block.prefix);
-  PetscCall(MpmBodyDepthCreate(&block, bed, shape, edge, &body->depth));
+  if (!raster || MpmOptionsHelp()) PetscCall(MpmBodyDepthCreate(&block, bed, shape, edge, &body->depth));
+  if (raster || MpmOptionsHelp())
+    PetscCall(
+      MpmReleaseCreate(&block, grid, bed, MpmRegionOutline(body->region), body->cells.per_cell, &body->release));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmBodyVolume(MpmBody body, PetscReal *exact, PetscReal *points)
+{
+  if (body->release) MpmReleaseVolume(body->release, exact, points);
+  return (PetscBool)(body->release != NULL);
 }
 
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body)
@@ -269,6 +283,7 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body)
   PetscFunctionBeginUser;
   if (!*body) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmBodyDepthDestroy(&(*body)->depth));
+  PetscCall(MpmReleaseDestroy(&(*body)->release));
   PetscCall(PetscFree((*body)->name));
   PetscCall(MpmRegionDestroy(&(*body)->region));
   PetscCall(MpmImportedDestroy(&(*body)->imported));
@@ -312,7 +327,8 @@ PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt
     upper[a] = PetscMax(upper[a], body->cells.upper[a]);
     *points *= (PetscReal)(body->cells.upper[a] - body->cells.lower[a]) * (PetscReal)body->cells.per_cell[a];
   }
-  if (*points > 1e4) *points *= FilledPart(body, grid);
+  if (body->release) *points = (PetscReal)MpmReleaseTotal(body->release);
+  else if (*points > 1e4) *points *= FilledPart(body, grid);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -349,6 +365,7 @@ PetscReal MpmBodySpacing(MpmBody body)
   PetscInt least = PETSC_INT_MAX;
 
   for (PetscInt a = 0; a < body->dim; a++) least = PetscMin(least, body->cells.per_cell[a]);
+  if (body->release) return MpmReleaseSpacing(body->release);
   return body->imported ? 0. : 1. / (PetscReal)least;
 }
 
@@ -359,12 +376,12 @@ PetscInt MpmBodyMaterial(MpmBody body)
 
 PetscBool MpmBodyIsImported(MpmBody body)
 {
-  return (PetscBool)(body->imported != NULL);
+  return (PetscBool)(body->imported || body->release);
 }
 
 MpmRegion MpmBodyRound(MpmBody body)
 {
-  return !body->imported && MpmRegionIsRound(body->region) ? body->region : NULL;
+  return !MpmBodyIsImported(body) && MpmRegionIsRound(body->region) ? body->region : NULL;
 }
 
 /* ---- whose a place is ---- */
@@ -383,7 +400,7 @@ MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[])
 {
   PetscReal y[MPM_MAX_DIM] = {0., 0., 0.};
 
-  if (body->imported) return MPM_HOLD_NONE;
+  if (MpmBodyIsImported(body)) return MPM_HOLD_NONE;
   for (PetscInt a = 0; a < grid->dim; a++) {
     const PetscReal cell = (x[a] - grid->lower[a]) / grid->h[a];
 
@@ -403,14 +420,14 @@ MpmHold MpmBodyHolds(MpmBody body, const MpmGrid *grid, const PetscReal x[])
 
 PetscBool MpmBodyReaches(MpmBody body, const PetscReal x[])
 {
-  return (PetscBool)(!body->imported && MpmBodyOwns(body, x));
+  return (PetscBool)(!MpmBodyIsImported(body) && MpmBodyOwns(body, x));
 }
 
 PetscReal MpmBodyExcess(MpmBody body, const PetscReal x[], PetscInt axis, PetscInt side, PetscReal half)
 {
   PetscReal end;
 
-  return !body->imported && MpmRegionEnd(body->region, x, axis, side, half, &end) ? end - half : 0.;
+  return !MpmBodyIsImported(body) && MpmRegionEnd(body->region, x, axis, side, half, &end) ? end - half : 0.;
 }
 
 MpmBody MpmBodyOfPoint(const MpmBodies *bodies, PetscInt id)
@@ -430,7 +447,7 @@ PetscInt MpmBodyNumber(const MpmBodies *bodies, const MpmPoints *points, PetscIn
 
 PetscBool MpmBodiesShareLattice(MpmBody one, MpmBody other)
 {
-  PetscBool same = (PetscBool)(!one->imported && !other->imported);
+  PetscBool same = (PetscBool)(!MpmBodyIsImported(one) && !MpmBodyIsImported(other));
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
     same = (PetscBool)(same && one->cells.per_cell[a] == other->cells.per_cell[a]);

@@ -37,9 +37,11 @@ PetscReal      MpmBodyPressure(const MpmBody body);
 */
 PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, MpmShapeType shape, MpmBody body,
                                    const char **given, const char **file, PetscBool *run);
-/* Depths of its columns on a bed (body_depth.h). To be called before the points are made. */
-PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, const MpmBed *bed, MpmShapeType shape,
-                                MpmEdgeType edge, MpmBody body);
+/* Depths of its columns on a bed, if there is one (body_depth.h, release.h). To be called before points are made. */
+PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, const MpmGrid *grid, const MpmBed *bed,
+                                MpmShapeType shape, MpmEdgeType edge, MpmBody body);
+/* Of columns from maps: the integral of their depth, and the sum over points, m3; PETSC_FALSE for other bodies. */
+PetscBool      MpmBodyVolume(MpmBody body, PetscReal *exact, PetscReal *points);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */
 PetscErrorCode MpmBodyEstimate(const MpmBody body, const MpmGrid *grid, PetscInt lower[], PetscInt upper[],

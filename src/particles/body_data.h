@@ -5,7 +5,8 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "particles/body.h"
-#include "particles/body_depth.h"
+#include "release/body_depth.h"
+#include "release/release.h"
 #include "particles/body_initial.h"
 
 struct _p_MpmBody {
@@ -43,8 +44,9 @@ struct _p_MpmBody {
     PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
   } cells;
   MpmBodyLattice lattice;
-  MpmBodyDepth   depth; /* of its columns; NULL: they are none */
-  PetscBool      cut;   /* points have what the region has of their domains, and of those without a point beside them */
+  MpmBodyDepth   depth;   /* of its columns; NULL: they are none */
+  MpmRelease     release; /* its columns, of region raster; or NULL */
+  PetscBool      cut; /* points have what the region has of their domains, and of those without a point beside them */
   struct {
     PetscBool priority; /* replaces others that it overlaps */
     PetscInt  before_count, winner_count;

@@ -133,6 +133,30 @@ static void FillAtRest(const MpmBody body, const MpmGrid *grid, const MpmMateria
   }
 }
 
+/* Columns of a release. */
+static void FillRelease(const MpmBody body, const MpmGrid *grid, const MpmMaterial materials[],
+                        const MpmParticles *particles, PetscInt64 id, PetscInt *first, MpmPoints *points)
+{
+  const PetscInt  dim = grid->dim, begin = *first, vertical[2] = {body->vertical.axis, body->vertical.up};
+  PetscInt64      cursor = 0;
+  MpmReleasePoint point;
+
+  for (PetscInt p = begin; MpmReleaseNext(body->release, &cursor, &point); *first = ++p) {
+    points->id[p]       = (PetscInt)(id + p - begin);
+    points->material[p] = body->material;
+    points->volume0[p]  = point.volume;
+    for (PetscInt a = 0; a < dim; a++) {
+      points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] = point.x[a];
+      if (points->domain.half_length)
+        points->domain.half_length[p * dim + a] = points->domain.drawn[p * dim + a] = point.half[a];
+      for (PetscInt b = 0; b < dim; b++) MpmPointF(points, p)[a * dim + b] = a == b ? 1. : 0.;
+    }
+    MpmPointsSetOwn(materials, vertical, dim, p, p + 1, points);
+    FillAtRest(body, grid, materials, particles, p, p + 1, points);
+    points->state[p * particles->state_size] = point.volume / point.area;
+  }
+}
+
 /* All points of a body from `first` on; ids from `id` on. Returns where they end. */
 static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const MpmMaterial materials[],
                                const MpmParticles *particles, PetscInt64 id, PetscInt *first, MpmPoints *points)
@@ -140,6 +164,11 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
   const PetscInt begin = *first, vertical[2] = {body->vertical.axis, body->vertical.up};
 
   PetscFunctionBeginUser;
+  if (body->release) {
+    FillRelease(body, grid, materials, particles, id, first, points);
+    FillCuts(body, grid->dim, begin, *first, points);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (!body->imported) {
     *first += FillCells(body, grid, id, begin, points);
     FillCuts(body, grid->dim, begin, *first, points);
@@ -269,7 +298,7 @@ static PetscInt64 FillIds(MpmBody body, const MpmGrid *grid)
 {
   PetscInt64 columns = 1;
 
-  if (!body->filling.joins || body->imported || body->filling.fill == MPM_FILL_NO) return 0;
+  if (!body->filling.joins || MpmBodyIsImported(body) || body->filling.fill == MPM_FILL_NO) return 0;
   for (PetscInt a = 0; a < grid->dim; a++)
     if (a != body->vertical.axis) columns *= body->lattice.count[a];
   body->filling.rows = grid->cells[body->vertical.axis] * body->cells.per_cell[body->vertical.axis];
@@ -286,7 +315,9 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc3(body_count, &count, body_count, &before, body_count, &total));
   for (PetscInt b = 0; b < body_count; b++) {
-    count[b] = bodies[b]->imported ? MpmImportedCount(bodies[b]->imported) : FillCells(bodies[b], grid, 0, 0, NULL);
+    count[b] = bodies[b]->imported  ? MpmImportedCount(bodies[b]->imported)
+               : bodies[b]->release ? MpmReleaseCount(bodies[b]->release)
+                                    : FillCells(bodies[b], grid, 0, 0, NULL);
     local += (PetscInt)count[b];
   }
   PetscCallMPI(MPI_Scan(count, before, (PetscMPIInt)body_count, MPIU_INT64, MPI_SUM, grid->comm));

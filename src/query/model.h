@@ -20,6 +20,7 @@ typedef struct {
   PetscBool   set_up;
   PetscBool   busy;     /* in a call that must not be entered again */
   PetscBool   stop;     /* the caller requests the end of the run */
+  PetscBool   points;   /* the run ends once points are made */
   PetscBool   terminal; /* progress and warnings are shown */
   MpmOutcome  outcome;  /* of the last step */
 } MpmCaller;

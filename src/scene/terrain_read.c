@@ -30,6 +30,8 @@ PetscErrorCode MpmTerrainRead(MpmModel model, const MpmOptions *options)
   PetscCall(PetscNew(&model->disc.context.bed));
   model->disc.context.bed->bed = bed;
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (options->record && bed->map.value)
+    MpmRecordSetPlane(options->record, &(MpmPlane){bed->project, bed->map.system, {0., 0.}});
   MpmCheckInput(scene->deformation.kinematics == MPM_PLANE_STRAIN,
                 "-mpm_physics %s: -mpm_dim must be 2, without axial symmetry: x and y are horizontal",
                 scene->physics.name);

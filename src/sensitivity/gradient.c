@@ -90,16 +90,18 @@ static PetscErrorCode FindColumns(MpmModel model)
 
 PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options, const MpmGradientKind *kind)
 {
-  static const char *const tasks[] = {"run", "gradient", "check_gradient", "inverse", NULL};
+  static const char *const tasks[] = {"run", "gradient", "check_gradient", "inverse", "points", NULL};
   PetscInt                 task    = 0;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsWord(
     options, "task",
     "run: the steps; gradient: also the derivatives of objectives by parameters; check_gradient: also by both "
-    "methods and by differences of changed runs; inverse: parameters from data",
+    "methods and by differences of changed runs; inverse: parameters from data; points: the points are made and "
+    "written",
     tasks, MPM_OPTIONAL, &task, NULL));
-  if (!task && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  model->caller.points = (PetscBool)(task == 4);
+  if ((!task || model->caller.points) && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscNew(&model->gradient));
   model->gradient->kind       = kind;
   model->gradient->checks     = (PetscBool)(task == 2);

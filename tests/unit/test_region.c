@@ -107,7 +107,8 @@ START_TEST(everything)
   ck_assert_int_eq(MpmRegionGetType(region), MPM_REGION_FILE);
   Destroy(&region);
   BLOCK("lower", "0,0", "upper", "1,1"); /* a box that lost its name must not become everything */
-  Refuse(2, "-mpm_a_region is missing, but -mpm_a_lower is given: one of box, sphere, cylinder, polygon, layers");
+  Refuse(2,
+         "-mpm_a_region is missing, but -mpm_a_lower is given: one of box, sphere, cylinder, polygon, layers, outline");
 }
 END_TEST
 
@@ -145,7 +146,7 @@ START_TEST(box_refuses)
   BLOCK("region", "box", "lower", "0,11", "upper", "10,10.5");
   Refuse(2, "-mpm_a_upper 10.5 on axis y: must be >= -mpm_a_lower, which is 11");
   BLOCK("region", "cube");
-  Refuse(2, "-mpm_a_region cube: must be one of all, box, sphere, cylinder, polygon, layers, file");
+  Refuse(2, "-mpm_a_region cube: must be one of all, box, sphere, cylinder, polygon, layers, outline, raster, file");
 }
 END_TEST
 

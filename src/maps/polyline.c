@@ -5,7 +5,7 @@
   the lines cross in between.
 */
 #include "options/options.h"
-#include "geometry/polyline.h"
+#include "maps/polyline.h"
 
 PetscErrorCode MpmPolylineRead(const MpmOptions *options, const char *name, const char *help, MpmPolyline *line)
 {

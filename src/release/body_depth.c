@@ -4,7 +4,7 @@
 #include "options/options.h"
 #include "grid/grid.h"
 #include "grid/shape.h"
-#include "particles/body_depth.h"
+#include "release/body_depth.h"
 
 struct _p_MpmBodyDepth {
   const MpmBed *bed;
