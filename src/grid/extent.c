@@ -51,7 +51,7 @@ PetscErrorCode MpmGridReadExtent(const MpmOptions *block, const MpmOptions *opti
     MpmOptionsReals(block, "lower", "m", "lower corner", MPM_RANGE_ANY, need, grid->dim, grid->lower, &given[0]));
   PetscCall(
     MpmOptionsReals(block, "upper", "m", "upper corner", MPM_RANGE_ANY, need, grid->dim, grid->upper, &given[1]));
-  PetscCall(MpmOptionsHas(block, "cell", &by_length));
+  PetscCall(MpmOptionsHas(&(MpmOptions){block->comm, block->prefix, NULL}, "cell", &by_length));
   PetscCall(MpmOptionsInts(block, "cells", "cells per axis", 1, 999999999, by_length ? MPM_OPTIONAL : MPM_REQUIRED,
                            grid->dim, grid->cells, &counted));
   PetscCall(MpmOptionsReal(block, "cell", "m", "length of a cell, instead of cells", MPM_RANGE_POSITIVE, MPM_OPTIONAL,

@@ -305,6 +305,13 @@ static PetscInt64 FillIds(MpmBody body, const MpmGrid *grid)
   return columns * body->filling.rows;
 }
 
+/* Points of this rank. */
+static PetscInt64 Count(const MpmBody body, const MpmGrid *grid)
+{
+  if (body->imported) return MpmImportedCount(body->imported);
+  return body->release ? MpmReleaseCount(body->release) : FillCells(body, grid, 0, 0, NULL);
+}
+
 PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], const MpmMaterial materials[],
                                  const MpmGrid *grid, MpmParticles *particles)
 {
@@ -315,9 +322,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc3(body_count, &count, body_count, &before, body_count, &total));
   for (PetscInt b = 0; b < body_count; b++) {
-    count[b] = bodies[b]->imported  ? MpmImportedCount(bodies[b]->imported)
-               : bodies[b]->release ? MpmReleaseCount(bodies[b]->release)
-                                    : FillCells(bodies[b], grid, 0, 0, NULL);
+    count[b] = Count(bodies[b], grid);
     local += (PetscInt)count[b];
   }
   PetscCallMPI(MPI_Scan(count, before, (PetscMPIInt)body_count, MPIU_INT64, MPI_SUM, grid->comm));
