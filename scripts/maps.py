@@ -38,6 +38,15 @@ def read_ascii(path):
     return x + dx * np.arange(columns), y + dy * np.arange(rows), value
 
 
+def write_ascii(path, x, y, value, none=-9999.0):
+    """An ESRI ASCII grid: centres of square pixels, rows from south to north."""
+    head = (f"ncols {len(x)}\nnrows {len(y)}\nxllcenter {float(x[0])!r}\nyllcenter {float(y[0])!r}\n"
+            f"cellsize {float(x[1] - x[0])!r}\nNODATA_value {none!r}\n")
+    rows = (" ".join(f"{number:.12g}" for number in np.where(np.isnan(row), none, row)) for row in np.asarray(value)[::-1])
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    Path(path).write_text(head + "\n".join(rows) + "\n", encoding="utf-8")
+
+
 def tiff_entries(data):
     """The entries of the first directory of a TIFF by tag."""
     if data[:4] != b"II*\0":

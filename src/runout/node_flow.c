@@ -1,8 +1,7 @@
 /*
-  Flow at a node in a state. Depth is the volume about it over the area that its points cover, or over the node's own
-  area where they cover less of it: smooth in the flow, and of the right volume at its edge,
+  Flow at a node in a state. Depth is the volume about it over the node's own area: a map has the volume of the points,
 
-    h_i = sum_p w_ip V_p / max(sum_p w_ip A_p, integral of w_i) .
+    h_i = sum_p w_ip V_p / integral of w_i .
 */
 #include "space/space.h"
 #include "space/sum.h"
@@ -37,7 +36,7 @@ void MpmRunoutNode(const MpmModel model, PetscInt i, MpmNodeFlow *flow)
 
   *flow = (MpmNodeFlow){.depth = 0.};
   if (!(sums[MPM_BED_MASS] > 0.)) return;
-  flow->depth = sums[MPM_BED_VOLUME] / PetscMax(sums[MPM_BED_AREA], Area(model->disc.grid, node));
+  flow->depth = sums[MPM_BED_VOLUME] / Area(model->disc.grid, node);
   for (PetscInt a = 0; a < 2; a++) flow->velocity[a] = v[a];
   if (model->runout->along) rise = (v[0] * sums[MPM_BED_SLOPE] + v[1] * sums[MPM_BED_SLOPE + 1]) / sums[MPM_BED_MASS];
   square         = v[0] * v[0] + v[1] * v[1] + rise * rise;

@@ -1,0 +1,32 @@
+#!/usr/bin/env python3
+"""Writes FOLDER/mudflow_bed.asc: a gully that winds down a slope and opens on a fan, pixels of 5 m."""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent.parent / "scripts"))
+from maps import write_ascii  # noqa: E402
+
+FAN = 450.0  # m: where the slope ends and the fan begins
+
+
+def middle(x):
+    """y of the gully."""
+    return 160.0 + 25.0 * np.sin(x / 70.0) * np.exp(-((x / 420.0) ** 6))
+
+
+def bed(x, y):
+    steep, flat, blend = 0.45, 0.06, 40.0  # slopes, and the length over which one becomes the other
+    along = flat * (FAN - x) + (steep - flat) * blend * np.logaddexp(0.0, (FAN - x) / blend)
+    walls = 1.0 / (1.0 + np.exp((x - FAN) / 30.0))
+    return 20.0 + along + walls * 18.0 * np.tanh(((y - middle(x)) / 38.0) ** 2) + (1.0 - walls) * 0.0006 * (y - 160.0) ** 2
+
+
+def main(folder):
+    x, y = np.arange(-5.0, 805.1, 5.0), np.arange(-5.0, 325.1, 5.0)
+    write_ascii(Path(folder) / "mudflow_bed.asc", x, y, bed(*np.meshgrid(x, y)))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1] if len(sys.argv) > 1 else "out")
