@@ -16,8 +16,8 @@ G, LEVEL = 9.81, 1.0
 def check(results):
     first, last = results.initial, results.state("last")
     return [completed(results), Quantity("steps", results.summary["steps"], 300),
-            Quantity("speed_over_wave", np.abs(last["velocity"]).max() / np.sqrt(G * last["depth"].max()), None, 1e-8),
-            Quantity("way_over_cell", np.abs(last["position"] - first["position"]).max() / 0.5, None, 1e-6),
+            Quantity("speed_over_wave", np.abs(last["velocity"]).max() / np.sqrt(G * last["depth"].max()), None, 1e-10),
+            Quantity("way_over_cell", np.abs(last["position"] - first["position"]).max() / 0.5, None, 1e-9),
             Quantity("dry_part", np.mean(read_map(f"{results.prefix}_peak").bands["depth"] == 0.0), 0.2, 0.8)]
 
 
