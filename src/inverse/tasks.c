@@ -53,6 +53,10 @@ static PetscErrorCode Run(MpmModel model)
 PetscErrorCode MpmModelRun(MpmModel model, int *status)
 {
   PetscFunctionBeginUser;
+  if (model->ensemble) {
+    MpmModelCall(model, MpmEnsembleRun(model, status));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (model->gradient && model->gradient->inverse.on) PetscFunctionReturn(MpmInverseRun(model, status));
   PetscCall(MpmModelSetUp(model));
   PetscCheck(!model->results->history, model->comm, PETSC_ERR_ARG_WRONGSTATE, "the model has been run");

@@ -3,6 +3,7 @@
 */
 #include "options/options.h"
 #include "maps/bed.h"
+#include "maps/map_noise.h"
 #include "maps/map_smooth.h"
 
 #define SLACK 1e-9 /* of a pixel: places so far beyond the outer centres are on them */
@@ -77,13 +78,15 @@ PetscErrorCode MpmBedExtent(const MpmOptions *options, PetscReal lower[2], Petsc
 static PetscErrorCode ReadMap(const MpmOptions *terrain, const PetscReal lower[], const PetscReal upper[],
                               MpmMapAsk *ask, MpmBed *bed)
 {
-  PetscReal smooth                   = 0.;
-  char      message[MPM_MAP_MESSAGE] = "";
+  PetscReal   smooth                   = 0.;
+  char        message[MPM_MAP_MESSAGE] = "";
+  MpmMapNoise noise                    = {0};
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsReal(terrain, "smooth", "pixels",
                            "standard deviation of the Gaussian by which heights are averaged",
                            ((MpmRange){0., 1000., PETSC_FALSE}), MPM_OPTIONAL, &smooth, NULL));
+  PetscCall(MpmMapNoiseRead(terrain, &noise));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   ask->lower  = lower;
   ask->upper  = upper;
@@ -91,6 +94,7 @@ static PetscErrorCode ReadMap(const MpmOptions *terrain, const PetscReal lower[]
   PetscCall(MpmMapRead(bed->file, ask, &bed->map, message));
   MpmCheckInput(!message[0], "-mpm_terrain_file %s: %s", bed->file, message);
   PetscCall(MpmMapSmooth(smooth, &bed->map));
+  PetscCall(MpmMapNoiseAdd(&noise, &bed->map));
   PetscCall(Cover(bed, lower, upper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -29,6 +29,7 @@
 #include "runout/runout.h"
 #include "sensitivity/gradient.h"
 #include "checkpoint/checkpoint.h"
+#include "ensemble/ensemble.h"
 #include "model/build.h"
 #include "laboratory/laboratory.h"
 #include "model/program.h"
@@ -213,6 +214,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCheck(!model->caller.busy, model->comm, PETSC_ERR_ARG_WRONGSTATE, "a hook must not destroy its own model");
   if (model->state.particles->swarm) PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   PetscCall(MpmGradientDestroy(&model->gradient));
+  PetscCall(MpmEnsembleDestroy(model));
   PetscCall(MpmLaboratoryDestroy(&model->laboratory));
   PetscCall(MpmSolverDestroy(&model->solver));
   PetscCall(MpmRunoutDestroy(model));

@@ -44,6 +44,7 @@
 #include "observe/tracks.h"
 #include "sensitivity/gradient.h"
 #include "checkpoint/checkpoint.h"
+#include "ensemble/ensemble.h"
 #include "model/build.h"
 #include "laboratory/laboratory.h"
 
@@ -500,6 +501,7 @@ static PetscErrorCode ReadScene(MpmModel model)
     PetscCall(MpmLaboratoryReadGradient(model, &options));
   } else PetscCall(ReadBodiesOnGrid(model, &options, dim, kind));
   PetscCall(PetscFree(kind));
+  PetscCall(MpmEnsembleRead(model));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsCheckUnknown(&options, &warning));
   if (model->caller.terminal) PetscCall(MpmForeignOptionsCheckNames(model->record));

@@ -43,6 +43,8 @@ typedef struct MpmResults    MpmResults;
 typedef struct MpmLaboratory MpmLaboratory;
 /* Derivatives of a run (sensitivity/gradient.h) */
 typedef struct MpmGradient MpmGradient;
+/* Runs with drawn numbers (ensemble/ensemble.h) */
+typedef struct MpmEnsemble MpmEnsemble;
 /* Maps and gauges of flow over terrain (runout/runout.h) */
 typedef struct MpmRunout MpmRunout;
 
@@ -60,5 +62,6 @@ struct _p_MpmModel {
   MpmResults       *results;
   MpmLaboratory    *laboratory; /* NULL: the scene has a grid and bodies */
   MpmGradient      *gradient;   /* NULL: no derivatives are asked for */
+  MpmEnsemble      *ensemble;   /* NULL: the scene itself is run */
   MpmRunout        *runout;     /* NULL: no such results are asked for */
 };

@@ -16,6 +16,8 @@
 #define MOST_EDITS 2        /* of a slip that a name is suggested for */
 #define TEXT       256      /* of names */
 #define PARTS      ",:; \t" /* between the numbers of an option */
+/* Option by which messages name the parameter. */
+#define OPTION(parameter) ((parameter)->option ? (parameter)->option : "-mpm_parameters")
 
 /* Options that a block's factor multiplies. */
 static const struct {
@@ -127,17 +129,17 @@ PetscErrorCode MpmSceneParameterReset(const MpmSceneParameter *parameter)
 /* ---- names ---- */
 
 /* BLOCK.KEY and the place behind a colon; `gravity` alone has a factor. */
-static PetscErrorCode Split(const char text[], Name *name)
+static PetscErrorCode Split(const MpmSceneParameter *parameter, Name *name)
 {
-  const char  *dot = strchr(text, '.'), *colon = dot ? strchr(dot, ':') : NULL;
+  const char  *text = parameter->name, *dot = strchr(text, '.'), *colon = dot ? strchr(dot, ':') : NULL;
   const size_t length = dot ? (size_t)(dot - text) : strlen(text);
   long         number;
 
   PetscFunctionBeginUser;
   name->place = -1;
   MpmCheckInput((dot && length && dot[1] && dot + 1 != colon) || !strcmp(text, "gravity"),
-                "-mpm_parameters %s: must be NAME.KEY, a block by its name and a number of it", text);
-  MpmCheckInput(strlen(text) < TEXT, "-mpm_parameters %.100s...: is too long", text);
+                "%s %s: must be NAME.KEY, a block by its name and a number of it", OPTION(parameter), text);
+  MpmCheckInput(strlen(text) < TEXT, "%s %.100s...: is too long", OPTION(parameter), text);
   PetscCall(PetscSNPrintf(name->block, TEXT, "%.*s", (int)length, text));
   PetscCall(PetscSNPrintf(name->key, TEXT, "%.*s", (int)(colon ? colon - dot - 1 : TEXT), dot ? dot + 1 : "factor"));
   for (char *c = name->key; *c; c++)
@@ -145,8 +147,8 @@ static PetscErrorCode Split(const char text[], Name *name)
   if (!colon) PetscFunctionReturn(PETSC_SUCCESS);
   number      = strtol(colon + 1, NULL, 10);
   name->place = colon[1] >= 'x' && colon[1] <= 'z' && !colon[2] ? colon[1] - 'x' : (PetscInt)number - 1;
-  MpmCheckInput(name->place >= 0, "-mpm_parameters %s: behind the colon must stand x, y, z, or a number from 1 on",
-                text);
+  MpmCheckInput(name->place >= 0, "%s %s: behind the colon must stand x, y, z, or a number from 1 on",
+                OPTION(parameter), text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -213,7 +215,7 @@ static PetscErrorCode RefuseAbsent(MpmRecord record, const MpmSceneParameter *pa
 
     MpmCheckInput(!length || record->entries[i].value || !record->entries[i].known ||
                     !IsBlock(record, scope, length, name->block),
-                  "-mpm_parameters %s: the scene does not give it: there is no derivative by it", parameter->name);
+                  "%s %s: the scene does not give it, and it has no default", OPTION(parameter), parameter->name);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -243,10 +245,10 @@ static PetscErrorCode RefuseUnknown(MpmRecord record, const MpmSceneParameter *p
     PetscCall(PetscFree(near));
     PetscCall(MpmTextAppend(&near, "%s", &place[block + 1]));
   }
-  MpmCheckInput(!near, "-mpm_parameters %s: %s has no number %s; did you mean %s.%s?", parameter->name, name->block,
-                name->key, name->block, near);
-  MpmCheckInput(!keys, "-mpm_parameters %s: %s has no number %s; it has %s", parameter->name, name->block, name->key,
-                keys);
+  MpmCheckInput(!near, "%s %s: %s has no number %s; did you mean %s.%s?", OPTION(parameter), parameter->name,
+                name->block, name->key, name->block, near);
+  MpmCheckInput(!keys, "%s %s: %s has no number %s; it has %s", OPTION(parameter), parameter->name, name->block,
+                name->key, keys);
   for (PetscInt i = 0; i < record->count; i++) {
     const MpmRecordEntry *entry = &record->entries[i];
     PetscInt              count;
@@ -255,11 +257,11 @@ static PetscErrorCode RefuseUnknown(MpmRecord record, const MpmSceneParameter *p
     if (!entry->list || !entry->value) continue;
     PetscCall(MpmTextSplit(entry->value, &count, &names));
     MpmCheckInput(!MpmTextNearest(name->block, count, names, MOST_EDITS),
-                  "-mpm_parameters %s: no block has this name; did you mean %s.%s?", parameter->name,
+                  "%s %s: no block has this name; did you mean %s.%s?", OPTION(parameter), parameter->name,
                   MpmTextNearest(name->block, count, names, MOST_EDITS), name->key);
     PetscCall(MpmNamesDestroy(count, &names));
   }
-  MpmCheckInput(PETSC_FALSE, "-mpm_parameters %s: no block has this name", parameter->name);
+  MpmCheckInput(PETSC_FALSE, "%s %s: no block has this name", OPTION(parameter), parameter->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -341,16 +343,16 @@ static PetscErrorCode FindNumber(MpmRecord record, const Name *name, char **cand
     if (!count) continue;
     PetscCall(AddCandidate(scope, length, name->key, candidates));
     if (parameter->option_count) continue;
-    MpmCheckInput(place<count, "-mpm_parameters %s: -%s %s has %" PetscInt_FMT " number%s", parameter->name,
+    MpmCheckInput(place<count, "%s %s: -%s %s has %" PetscInt_FMT " number%s", OPTION(parameter), parameter->name,
                         entry->name, entry->value, count, count> 1
                     ? "s"
                     : "");
     MpmCheckInput(count == 1 || name->place >= 0,
-                  "-mpm_parameters %s: -%s %s has %" PetscInt_FMT " numbers; %s:1 is the first, %s:2 the second",
+                  "%s %s: -%s %s has %" PetscInt_FMT " numbers; %s:1 is the first, %s:2 the second", OPTION(parameter),
                   parameter->name, entry->name, entry->value, count, parameter->name, parameter->name);
     MpmCheckInput(entry->given || !entry->presence || !strncmp(scope, "material_", strlen("material_")),
-                  "-mpm_parameters %s: -%s is not given, and would change its meaning with a value", parameter->name,
-                  entry->name);
+                  "%s %s: -%s is not given, and would change its meaning with a value", OPTION(parameter),
+                  parameter->name, entry->name);
     PetscCall(AddOption(entry, place, parameter));
     (void)NumberAt(entry->value, place, &value);
     parameter->value = (double)value;
@@ -365,7 +367,7 @@ PetscErrorCode MpmParameterFindOptions(MpmRecord record, const MpmLoads *loads, 
   Name  name;
 
   PetscFunctionBeginUser;
-  PetscCall(Split(parameter->name, &name));
+  PetscCall(Split(parameter, &name));
   parameter->kind  = MPM_OF_OPTION;
   parameter->range = MPM_RANGE_ANY;
   parameter->value = 1.;
@@ -375,8 +377,8 @@ PetscErrorCode MpmParameterFindOptions(MpmRecord record, const MpmLoads *loads, 
     PetscCall(FindFactor(record, &name, &candidates, parameter));
   if (!parameter->option_count) PetscCall(RefuseAbsent(record, parameter, &name));
   if (!parameter->option_count) PetscCall(RefuseUnknown(record, parameter, &name));
-  MpmCheckInput(!candidates || !strstr(candidates, " or "),
-                "-mpm_parameters %s: must be %s: several blocks have this name", parameter->name, candidates);
+  MpmCheckInput(!candidates || !strstr(candidates, " or "), "%s %s: must be %s: several blocks have this name",
+                OPTION(parameter), parameter->name, candidates);
   PetscCall(PetscFree(candidates));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,8 +5,6 @@
 #include "base/base.h"
 #include "base/range.h"
 #include "base/types.h"
-#include "base/range.h"
-#include "base/types.h"
 
 /* By what a parameter acts on: a law's number, a load's magnitude, and numbers of the state from which steps start have
    derivatives in closed form. */
@@ -22,8 +20,9 @@ typedef struct {
 
 /* One number. */
 typedef struct {
-  char                 *name;  /* "soil.E" */
-  char                 *block; /* of the list -mpm_parameters; NULL: of the short form */
+  char                 *name;   /* "soil.E" */
+  char                 *block;  /* of the list -mpm_parameters; NULL: of the short form */
+  const char           *option; /* by which messages name it, borrowed; NULL: -mpm_parameters */
   MpmSceneParameterKind kind;
   PetscInt              index;   /* of the material or load */
   PetscInt              place;   /* in the law's parameter table */

@@ -90,7 +90,7 @@ static PetscErrorCode FindColumns(MpmModel model)
 
 PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options, const MpmGradientKind *kind)
 {
-  static const char *const tasks[] = {"run", "gradient", "check_gradient", "inverse", "points", NULL};
+  static const char *const tasks[] = {"run", "gradient", "check_gradient", "inverse", "points", "ensemble", NULL};
   PetscInt                 task    = 0;
 
   PetscFunctionBeginUser;
@@ -98,10 +98,10 @@ PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options, const 
     options, "task",
     "run: the steps; gradient: also the derivatives of objectives by parameters; check_gradient: also by both "
     "methods and by differences of changed runs; inverse: parameters from data; points: the points are made and "
-    "written",
+    "written; ensemble: runs with drawn numbers",
     tasks, MPM_OPTIONAL, &task, NULL));
   model->caller.points = (PetscBool)(task == 4);
-  if ((!task || model->caller.points) && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if ((!task || task > 3) && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscNew(&model->gradient));
   model->gradient->kind       = kind;
   model->gradient->checks     = (PetscBool)(task == 2);
