@@ -125,7 +125,7 @@ static PetscErrorCode ReadCorrelation(const MpmOptions *block, MpmEnsemble *ense
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsText(block, "correlation", "of two draws by their ranks: A:B:0.5,...; others have 0", NULL,
                            MPM_OPTIONAL, &text));
-  if (!text || MpmOptionsHelp()) PetscFunctionReturn(PetscFree(text));
+  if (!text || !text[0] || MpmOptionsHelp()) PetscFunctionReturn(PetscFree(text));
   MpmCheckInput(ensemble->members > draws, "-mpm_ensemble_members %d: must be more than the draws with correlation",
                 (int)ensemble->members);
   PetscCall(PetscCalloc1((size_t)draws * (size_t)draws, &ensemble->correlation));
@@ -211,14 +211,8 @@ static PetscErrorCode ReadAsk(const MpmOptions *block, MpmEnsembleAsk *ask)
 static PetscErrorCode ReadDraws(MpmModel model, const MpmOptions *block, MpmEnsemble *ensemble)
 {
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsNames(block, "draws", "names of the numbers that are drawn, with a block -mpm_draw_NAME_ each",
-                            MPM_OPTIONAL, &ensemble->draw_count, &ensemble->names));
-  if (MpmOptionsHelp()) {
-    MpmDraw draw = {0};
-
-    PetscCall(ReadDraw(model, "NAME", &draw));
-    PetscFunctionReturn(PetscFree(draw.option));
-  }
+  PetscCall(MpmOptionsBlocks(block, "draws", "names of the numbers that are drawn, with a block -mpm_draw_NAME_ each",
+                             MPM_OPTIONAL, &ensemble->draw_count, &ensemble->names));
   PetscCall(PetscCalloc1(ensemble->draw_count + 1, &ensemble->draws));
   for (PetscInt k = 0; k < ensemble->draw_count; k++) {
     ensemble->draws[k].name = ensemble->names[k];

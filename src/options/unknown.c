@@ -70,12 +70,16 @@ static const char *NearestKnown(MpmRecord record, const char name[])
 
 /* ---- lists ---- */
 
+#define WITHIN "mpm_ensemble_"
+
 void MpmRecordBlockPrefix(const char list[], char prefix[PETSC_MAX_OPTION_NAME])
 {
-  const size_t length = strlen(list);
-  const int    ies    = length > 3 && !strcmp(&list[length - 3], "ies");
+  const int    within = !strncmp(list, WITHIN, strlen(WITHIN)); /* a list in a block, of blocks beside it */
+  const char  *name   = &list[strlen(within ? WITHIN : "mpm_")];
+  const size_t length = strlen(name);
+  const int    ies    = length > 3 && !strcmp(&name[length - 3], "ies");
 
-  (void)snprintf(prefix, PETSC_MAX_OPTION_NAME, "%.*s%s_", (int)(length - (ies ? 3 : 1)), list, ies ? "y" : "");
+  (void)snprintf(prefix, PETSC_MAX_OPTION_NAME, "mpm_%.*s%s_", (int)(length - (ies ? 3 : 1)), name, ies ? "y" : "");
 }
 
 /* The list that an option's block would have to stand in, where the option is in none that has been read; or NULL. */
