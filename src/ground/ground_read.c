@@ -9,7 +9,7 @@
             cell      of the background grid at the start, by a place in it or its numbers, or all of them, x fastest
             point     in the order of the points' ids
             pilots    at places, between which ordinary kriging interpolates with the correlation length (kriging.c)
-    values  replaces those of the file, in its order
+    values  replaces those of the file, in its order; by cell without a file: one for all cells, or one each
 
   The field takes the place of the material's number, which may be left out.
 */
@@ -234,6 +234,23 @@ static PetscErrorCode TakeFile(const MpmOptions *block, const char path[], MpmGr
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A field by cell without a file: all cells of the grid, x fastest. */
+static PetscErrorCode TakeAllCells(const MpmOptions *block, PetscInt count, const PetscReal values[], MpmGround *field)
+{
+  MpmGroundTable table = {.rows = CountCells(&field->grid)};
+
+  PetscFunctionBeginUser;
+  MpmCheckInput(count == 1 || count == table.rows,
+                "-%svalues: there are %" PetscInt_FMT ", must be one, or %" PetscInt_FMT
+                ", one for each cell of the grid",
+                block->prefix, count, table.rows);
+  PetscCall(TakeCells(block, "", &table, field));
+  field->count = table.rows;
+  PetscCall(PetscMalloc1(field->count, &field->value));
+  for (PetscInt k = 0; k < field->count; k++) field->value[k] = values[count > 1 ? k : 0];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Values of the block, in the place of those of the file. */
 static PetscErrorCode ReadValues(const MpmOptions *block, const char path[], MpmGround *field)
 {
@@ -241,13 +258,18 @@ static PetscErrorCode ReadValues(const MpmOptions *block, const char path[], Mpm
   PetscReal *values;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsRealList(block, "values", "", "in the place of the file's, in its order, or that of the names",
-                               MPM_OPTIONAL, &count, &values));
+  PetscCall(
+    MpmOptionsRealList(block, "values", "",
+                       "in the place of the file's, in its order, or that of the names; by cell without a file: "
+                       "one for all cells, or one each, x fastest",
+                       MPM_OPTIONAL, &count, &values));
   if (MpmOptionsHelp()) PetscFunctionReturn(PetscFree(values));
   MpmCheckInput(values || path, "-%sfile is missing: or values", block->prefix);
-  MpmCheckInput(!values || count == field->count, "-%svalues: there are %" PetscInt_FMT ", must be %" PetscInt_FMT,
-                block->prefix, count, field->count);
-  if (values) PetscCall(PetscArraycpy(field->value, values, count));
+  if (values && !field->value && field->kind == MPM_GROUND_CELL) PetscCall(TakeAllCells(block, count, values, field));
+  else
+    MpmCheckInput(!values || count == field->count, "-%svalues: there are %" PetscInt_FMT ", must be %" PetscInt_FMT,
+                  block->prefix, count, field->count);
+  if (values && count == field->count) PetscCall(PetscArraycpy(field->value, values, count));
   PetscCall(PetscFree(values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -296,7 +318,8 @@ static PetscErrorCode ReadOne(const MpmOptions *options, const char name[], cons
   PetscCall(ReadNames(&block, &field->count, &field->names, field));
   if (field->names) PetscCall(PetscCalloc1(field->count, &field->value));
   PetscCall(MpmOptionsPath(&block, "file", "CSV or HDF5 file of the values", MPM_OPTIONAL, &path));
-  MpmCheckInput(path || field->names || MpmOptionsHelp(), "-%sfile is missing", prefix);
+  MpmCheckInput(path || field->names || field->kind == MPM_GROUND_CELL || MpmOptionsHelp(), "-%sfile is missing",
+                prefix);
   if (path && !MpmOptionsHelp()) PetscCall(TakeFile(&block, path, &table, field));
   PetscCall(ReadValues(&block, path, field));
   PetscCall(ReadLength(&block, field));

@@ -24,6 +24,9 @@ typedef struct {
   PetscInt                  iterations;       /* of the start with the best result */
   const char               *reason;           /* why the last start has ended */
   PetscBool                 converged, interrupted;
+  PetscBool                 met;           /* the misfit is at the level of the noise */
+  PetscReal                *above;         /* parameters of the last iteration above it; NULL: none */
+  PetscReal                 above_squares; /* of their residuals */
   MpmEvaluation             best;
 } MpmInverse;
 
@@ -38,6 +41,8 @@ PetscErrorCode MpmDescentRun(MpmInverse *inverse, MpmEvaluation *at);
 
 /* A row of the iterations, and a line. */
 PetscErrorCode MpmInverseReport(MpmInverse *inverse, PetscInt iteration, const MpmEvaluation *at, PetscBool *stop);
+/* Sum of squared residuals of data at which an analysis ends (discrepancy.c); 0: none. */
+PetscReal MpmInverseLevel(const MpmInverse *inverse, const MpmEvaluation *at);
 /* The iteration from which a method goes on: 0 but for an analysis that was interrupted in this start. */
 PetscInt MpmInverseFirst(const MpmInverse *inverse);
 /* Size of parameter k for steps: |t| without a transform, 1 otherwise. */

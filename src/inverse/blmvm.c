@@ -1,7 +1,9 @@
 /*
   Limited-memory quasi-Newton steps with bounds, by the gradient alone: PETSc's TAOBLMVM, for many parameters.
 
-  Parameters are counted in sizes of their start. All ranks take the steps alike. A run that fails has a parabola about
+  Parameters are counted in sizes of their start: t = size z. Values of a field with a prior are those of independent
+  numbers z, t = t_0 + s L z with the prior's covariance s^2 L L^T: a step along the gradient by z is as smooth as the
+  prior is. All ranks take the steps alike. A run that fails has a parabola about
   the best parameters in place of its objective, from which the line search steps back.
 */
 #include <petsctao.h>
@@ -17,7 +19,9 @@
 typedef struct {
   MpmInverse   *inverse;
   MpmEvaluation at, *best, *now; /* the last run, that of the last iteration, and the one asked for */
-  PetscReal    *size, *last;     /* sizes; parameters of the last iteration, in them */
+  PetscReal    *size, *last;     /* sizes; z of the last iteration */
+  PetscReal    *origin;          /* t where z is 0 */
+  PetscBool    *spread;          /* by regularization: its field's z are those of its prior */
   PetscInt      first;
 } Search;
 
@@ -29,6 +33,19 @@ static PetscBool IsOf(const MpmEvaluation *at, PetscInt count, const PetscReal t
   return PETSC_TRUE;
 }
 
+/* t of z; `transposed`: derivatives by z from those by t, in the same place. */
+static PetscErrorCode Map(const Search *search, PetscBool transposed, PetscReal z[])
+{
+  const MpmInverseProblem *problem = &search->inverse->problem;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < problem->count; k++) z[k] *= search->size[k];
+  for (PetscInt n = 0; n < problem->penalties; n++)
+    if (search->spread[n]) PetscCall(MpmPenaltySpread(&problem->penalty[n], transposed, &z[problem->penalty[n].first]));
+  for (PetscInt k = 0; k < problem->count && !transposed; k++) z[k] += search->origin[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Evaluate(Search *search, const PetscReal z[])
 {
   MpmInverse    *inverse = search->inverse;
@@ -37,7 +54,8 @@ static PetscErrorCode Evaluate(Search *search, const PetscReal z[])
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(count, &t));
-  for (PetscInt k = 0; k < count; k++) t[k] = z[k] * search->size[k];
+  PetscCall(PetscArraycpy(t, z, count));
+  PetscCall(Map(search, PETSC_FALSE, t));
   search->now = IsOf(search->best, count, t) ? search->best : &search->at;
   if (!IsOf(search->now, count, t)) {
     PetscCall(MpmInverseEvaluate(&inverse->problem, t, MPM_GRADIENT_ONLY, PETSC_INFINITY, &search->at));
@@ -51,7 +69,7 @@ static PetscErrorCode FormGradient(Tao tao, Vec x, PetscReal *objective, Vec gra
 {
   Search              *search = (Search *)ctx;
   const PetscInt       count  = search->inverse->problem.count;
-  const PetscReal     *z, *best = search->best->t;
+  const PetscReal     *z, *last = search->last, least = search->best->objective;
   const MpmEvaluation *now;
   PetscReal           *g, distance = 0.;
 
@@ -62,11 +80,14 @@ static PetscErrorCode FormGradient(Tao tao, Vec x, PetscReal *objective, Vec gra
   PetscCall(Evaluate(search, z));
   now        = search->now;
   *objective = now->objective;
-  for (PetscInt k = 0; k < count; k++) distance += PetscSqr(z[k] - best[k] / search->size[k]);
-  if (now->failed) *objective = 2. * PetscAbsReal(search->best->objective) + search->best->objective;
-  for (PetscInt k = 0; k < count; k++)
-    g[k] = now->failed ? 4. * PetscAbsReal(search->best->objective) * (z[k] - best[k] / search->size[k]) / distance
-                       : now->gradient[k] * search->size[k];
+  for (PetscInt k = 0; k < count; k++) distance += PetscSqr(z[k] - last[k]);
+  if (now->failed) {
+    *objective = 2. * PetscAbsReal(least) + least;
+    for (PetscInt k = 0; k < count; k++) g[k] = 4. * PetscAbsReal(least) * (z[k] - last[k]) / distance;
+  } else {
+    PetscCall(PetscArraycpy(g, now->gradient, count));
+    PetscCall(Map(search, PETSC_TRUE, g));
+  }
   PetscCall(VecRestoreArray(gradient, &g));
   PetscCall(VecRestoreArrayRead(x, &z));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -103,7 +124,8 @@ static PetscErrorCode Monitor(Tao tao, void *ctx)
   }
   if (!search->now->failed) PetscCall(MpmInverseReport(inverse, iteration + search->first, search->now, &stop));
   if (iteration && change < inverse->settings->tolerance) inverse->converged = PETSC_TRUE;
-  if (inverse->converged || inverse->interrupted) PetscCall(TaoSetConvergedReason(tao, TAO_CONVERGED_USER));
+  if (inverse->converged || inverse->interrupted || inverse->met)
+    PetscCall(TaoSetConvergedReason(tao, TAO_CONVERGED_USER));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -120,8 +142,8 @@ static PetscErrorCode SetBounds(const Search *search, Tao tao, Vec x)
   PetscCall(VecGetArray(high, &upper));
   for (PetscInt k = 0; k < ranges->count; k++) {
     MpmRangeBounds(&ranges->at[k], &lower[k], &upper[k]);
-    lower[k] = PetscMax(lower[k] / search->size[k], PETSC_NINFINITY);
-    upper[k] = PetscMin(upper[k] / search->size[k], PETSC_INFINITY);
+    lower[k] = PetscMax((lower[k] - search->origin[k]) / search->size[k], PETSC_NINFINITY);
+    upper[k] = PetscMin((upper[k] - search->origin[k]) / search->size[k], PETSC_INFINITY);
   }
   PetscCall(VecRestoreArray(low, &lower));
   PetscCall(VecRestoreArray(high, &upper));
@@ -164,19 +186,55 @@ static PetscErrorCode Solve(Search *search)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* True where no value of a regularization's field has bounds. */
+static PetscBool IsFree(const MpmInverseProblem *problem, const MpmPenalty *penalty)
+{
+  for (PetscInt k = penalty->first; k < penalty->first + penalty->count; k++) {
+    PetscReal lower, upper;
+
+    MpmRangeBounds(&problem->ranges->at[k], &lower, &upper);
+    if (lower > PETSC_NINFINITY || upper < PETSC_INFINITY) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Sizes, origins and z at the start. */
+static PetscErrorCode Begin(Search *search, const PetscReal t[])
+{
+  const MpmInverseProblem *problem = &search->inverse->problem;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < problem->count; k++) {
+    search->size[k]   = MpmInverseSize(search->inverse, t, k);
+    search->origin[k] = 0.;
+    search->last[k]   = t[k] / search->size[k];
+  }
+  for (PetscInt n = 0; n < problem->penalties; n++) {
+    const MpmPenalty *penalty = &problem->penalty[n];
+
+    search->spread[n] = (PetscBool)(penalty->factor && IsFree(problem, penalty));
+    for (PetscInt k = 0; k < n; k++)
+      if (search->spread[k] && problem->penalty[k].first == penalty->first) search->spread[n] = PETSC_FALSE;
+    for (PetscInt k = penalty->first; search->spread[n] && k < penalty->first + penalty->count; k++) {
+      search->size[k]   = 1.;
+      search->origin[k] = t[k];
+      search->last[k]   = 0.;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBlmvmRun(MpmInverse *inverse, MpmEvaluation *at)
 {
   const PetscInt count  = inverse->problem.count;
   Search         search = {.inverse = inverse, .best = at, .first = MpmInverseFirst(inverse)};
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc2(count, &search.size, count, &search.last));
-  for (PetscInt k = 0; k < count; k++) {
-    search.size[k] = MpmInverseSize(inverse, at->t, k);
-    search.last[k] = at->t[k] / search.size[k];
-  }
+  PetscCall(PetscMalloc4(count, &search.size, count, &search.last, count, &search.origin,
+                         inverse->problem.penalties + 1, &search.spread));
+  PetscCall(Begin(&search, at->t));
   PetscCall(Solve(&search));
   PetscCall(MpmEvaluationDestroy(&search.at));
-  PetscCall(PetscFree2(search.size, search.last));
+  PetscCall(PetscFree4(search.size, search.last, search.origin, search.spread));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -55,12 +55,13 @@ static PetscErrorCode FindResiduals(const MpmInverseProblem *problem, const MpmM
   const MpmGradient *gradient = model->gradient;
   const MpmCurves    curves   = MpmGradientCurves(gradient);
   PetscReal          sum;
-  PetscInt           n = 0;
+  PetscInt           n = 0, rows = 0;
 
   PetscFunctionBeginUser;
   PetscCall(MpmMeasurementsFind(&gradient->objectives, &curves, &evaluation->data));
   PetscCall(MpmGradientEvaluate(model, &sum));
-  PetscCall(PetscCalloc1((evaluation->data.count + problem->count + 1), &evaluation->residual));
+  for (PetscInt i = 0; i < problem->penalties; i++) rows += problem->penalty[i].rows;
+  PetscCall(PetscCalloc1((evaluation->data.count + problem->count + rows + 1), &evaluation->residual));
   for (; n < evaluation->data.count; n++) {
     const MpmMeasurement *at = &evaluation->data.at[n];
 
@@ -74,6 +75,13 @@ static PetscErrorCode FindResiduals(const MpmInverseProblem *problem, const MpmM
     sum += 0.5 * evaluation->residual[n] * evaluation->residual[n];
     n++;
   }
+  for (PetscInt i = 0; i < problem->penalties; i++) {
+    PetscReal part;
+
+    PetscCall(MpmPenaltyEvaluate(&problem->penalty[i], evaluation->t, &part, &evaluation->residual[n]));
+    sum += part;
+    n += problem->penalty[i].rows;
+  }
   evaluation->rows      = n;
   evaluation->objective = PetscIsInfOrNanReal(sum) ? PETSC_INFINITY : sum;
   evaluation->predicted = gradient->objectives.predicted;
@@ -86,12 +94,29 @@ static PetscErrorCode FindResiduals(const MpmInverseProblem *problem, const MpmM
 
 /* ---- derivatives ---- */
 
-/* dp_m/dt for each number m of the scene. A factor is one of the run's own load: its derivative is over the factor. */
-static PetscReal SlopeOf(const MpmParameterRange *range, const MpmSceneParameter *parameter, PetscReal t)
+/*
+  dp_m/dt of the i-th number that parameter `range` stands for, m its place among all derivatives: numbers of the scene,
+  then values of fields. A factor is one of the run's own load: its derivative is over the factor.
+*/
+static PetscReal SlopeOf(const MpmGradient *gradient, const MpmParameterRange *range, PetscInt i, PetscReal t,
+                         PetscInt *m)
 {
   const PetscReal value = MpmRangeValue(range, t);
+  PetscReal       present;
 
-  return MpmRangeSlope(range, t) * (parameter->value == value || value == 0. ? 1. : parameter->value / value);
+  if (range->field >= 0) {
+    *m = gradient->parameters.count + gradient->grounds.at[range->field].first + range->place;
+    return MpmRangeSlope(range, t);
+  }
+  *m      = range->of[i];
+  present = gradient->parameters.at[*m].value;
+  return MpmRangeSlope(range, t) * (present == value || value == 0. ? 1. : present / value);
+}
+
+/* Numbers that a parameter stands for. */
+static PetscInt NumbersOf(const MpmParameterRange *range)
+{
+  return range->field >= 0 ? 1 : range->count;
 }
 
 /* Derivative by parameter k of a curve's value after a step. */
@@ -101,11 +126,11 @@ static PetscReal CurveSlope(const MpmInverseProblem *problem, const MpmGradient 
   const MpmParameterRange *range = &problem->ranges->at[k];
   PetscReal                sum   = 0.;
 
-  for (PetscInt i = 0; i < range->count; i++) {
-    const PetscInt m = range->of[i];
+  for (PetscInt i = 0; i < NumbersOf(range); i++) {
+    PetscInt        m;
+    const PetscReal slope = SlopeOf(gradient, range, i, t[k], &m);
 
-    sum += SlopeOf(range, &gradient->parameters.at[m], t[k]) *
-           gradient->slopes[(m * gradient->rows + by->row) * gradient->objectives.count + by->curve];
+    sum += slope * gradient->slopes[(m * gradient->rows + by->row) * gradient->objectives.count + by->curve];
   }
   return sum * by->slope;
 }
@@ -134,24 +159,31 @@ static PetscErrorCode FindJacobian(const MpmInverseProblem *problem, const MpmMo
     }
     if (problem->ranges->at[k].has_prior) evaluation->jacobian[n++ * count + k] = 1. / problem->ranges->at[k].deviation;
   }
+  for (PetscInt i = 0; i < problem->penalties; n += problem->penalty[i++].rows)
+    PetscCall(MpmPenaltyFillJacobian(&problem->penalty[i], evaluation->t, count, &evaluation->jacobian[n * count]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode FindGradient(const MpmInverseProblem *problem, const MpmModel model, MpmEvaluation *evaluation)
 {
-  const MpmSceneParameter *parameters = model->gradient->parameters.at;
-  const PetscReal         *found      = model->results->derivatives.gradient;
-  PetscInt                 n          = evaluation->data.count;
+  const PetscReal *found = model->results->derivatives.gradient;
+  PetscInt         n     = evaluation->data.count;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(problem->count, &evaluation->gradient));
   for (PetscInt k = 0; k < problem->count; k++) {
     const MpmParameterRange *range = &problem->ranges->at[k];
 
-    for (PetscInt i = 0; i < range->count; i++)
-      evaluation->gradient[k] += found[range->of[i]] * SlopeOf(range, &parameters[range->of[i]], evaluation->t[k]);
+    for (PetscInt i = 0; i < NumbersOf(range); i++) {
+      PetscInt        m;
+      const PetscReal slope = SlopeOf(model->gradient, range, i, evaluation->t[k], &m);
+
+      evaluation->gradient[k] += found[m] * slope;
+    }
     if (range->has_prior) evaluation->gradient[k] += evaluation->residual[n++] / range->deviation;
   }
+  for (PetscInt i = 0; i < problem->penalties; n += problem->penalty[i++].rows)
+    PetscCall(MpmPenaltyPull(&problem->penalty[i], evaluation->t, &evaluation->residual[n], evaluation->gradient));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -149,6 +149,7 @@ PetscErrorCode MpmInverseText(const MpmInverse *inverse, const MpmStatistics *st
   PetscCall(MpmTextAppend(text, ", \"reason\": \"%s\"", inverse->reason));
   PetscCall(Number(text, ", \"objective\": ", inverse->best.objective));
   PetscCall(AppendParameters(inverse, text));
+  PetscCall(MpmInverseAppendFields(inverse, text));
   PetscCall(AppendResiduals(inverse, text));
   if (statistics) PetscCall(AppendStatistics(inverse, statistics, text));
   PetscCall(MpmTextAppend(text, "}"));
@@ -250,7 +251,8 @@ PetscErrorCode MpmInversePrint(const MpmInverse *inverse, const MpmStatistics *s
   PetscCall(PetscPrintf(comm, "inverse analysis, %d iterations and %d runs: %s; objective %.6g\n",
                         (int)inverse->iterations, (int)inverse->problem.evaluations, inverse->reason,
                         (double)inverse->best.objective));
-  for (PetscInt k = 0; k < inverse->problem.count; k++) PetscCall(PrintParameter(inverse, statistics, k));
+  for (PetscInt k = 0; k < inverse->problem.ranges->numbers; k++) PetscCall(PrintParameter(inverse, statistics, k));
+  PetscCall(MpmInversePrintFields(inverse));
   for (PetscInt i = statistics ? statistics->count - statistics->untold : 0; statistics && i < statistics->count; i++) {
     char *text = NULL;
 

@@ -3,6 +3,7 @@
   The problem of an inverse analysis: parameters, and runs of the scene with any of their values.
 */
 #include "sensitivity/measurement.h"
+#include "inverse/penalty.h"
 #include "query/parameter_range.h"
 #include "talus/talus.h"
 
@@ -18,11 +19,14 @@ typedef struct {
   const MpmParameterRanges *ranges; /* of its parameters */
   PetscInt                  count;
   PetscInt                  evaluations; /* runs so far */
+  PetscInt                  penalties;   /* regularizations */
+  MpmPenalty               *penalty;
 } MpmInverseProblem;
 
 /*
-  A run with the parameters t, transformed. Residuals are those of the data, over their deviations, and then those of
-  the priors; the objective is half the sum of their squares, and the objectives of kind `value`.
+  A run with the parameters t, transformed. Residuals are those of the data, over their deviations, then those of the
+  priors and of the regularizations; the objective is half the sum of the data's and priors' squares, the
+  regularizations, and the objectives of kind `value`.
 */
 typedef struct {
   PetscBool       failed;               /* the objective is infinite */
@@ -40,6 +44,11 @@ typedef struct {
 } MpmEvaluation;
 
 PetscErrorCode MpmInverseProblemCreate(MpmModel scene, MpmInverseProblem *problem);
+PetscErrorCode MpmInverseProblemDestroy(MpmInverseProblem *problem);
+/* Field f of the parameters. */
+const MpmGround *MpmInverseField(const MpmInverseProblem *problem, PetscInt f);
+/* Sum of the squares of the data's residuals. */
+PetscReal MpmInverseSquares(const MpmEvaluation *evaluation);
 /*
   Runs the scene with the parameters t. Derivatives are found where the objective is below `limit`. Collective, with
   equal t on all ranks. `evaluation` starts from zeros and holds one result at a time.
@@ -47,7 +56,7 @@ PetscErrorCode MpmInverseProblemCreate(MpmModel scene, MpmInverseProblem *proble
 PetscErrorCode MpmInverseEvaluate(MpmInverseProblem *problem, const PetscReal t[], MpmEvaluationSlopes slopes,
                                   PetscReal limit, MpmEvaluation *evaluation);
 PetscErrorCode MpmEvaluationDestroy(MpmEvaluation *evaluation);
-/* Sets the options of all parameters to those of t, in the database in force. */
+/* Sets the options of all parameters to those of t, in the database in force; fields have their values there. */
 PetscErrorCode MpmInverseSetOptions(const MpmInverseProblem *problem, const PetscReal t[]);
 /* A model of the scene with the options in force. */
 PetscErrorCode MpmInverseModelCreate(const MpmInverseProblem *problem, MpmModel *model);

@@ -4,6 +4,7 @@
 #include "observe/results.h"
 #include "sensitivity/gradient.h"
 #include "model/build.h"
+#include "inverse/discrepancy.h"
 #include "inverse/inverse.h"
 #include "inverse/output.h"
 
@@ -51,6 +52,9 @@ static PetscErrorCode RunStart(MpmInverse *inverse, const PetscReal t[])
   inverse->interrupted = at.interrupted;
   inverse->converged   = PETSC_FALSE;
   if (!at.failed) PetscCall((*methods[inverse->settings->method])(inverse, &at));
+  if (!at.failed) PetscCall(MpmDiscrepancyReturn(inverse, &at));
+  if (inverse->met) inverse->reason = "the misfit is at the level of the noise";
+  if (inverse->met) inverse->converged = PETSC_TRUE;
   better = (PetscBool)(!inverse->best.t || inverse->best.failed || at.objective < inverse->best.objective);
   if (better) {
     other               = inverse->best;
@@ -83,8 +87,9 @@ static PetscErrorCode RunStarts(MpmInverse *inverse)
 static PetscErrorCode FindBest(MpmInverse *inverse)
 {
   const PetscBool jacobian = (PetscBool)(inverse->problem.count <= MOST_STATISTICS);
-  const PetscBool earlier  = (PetscBool)(inverse->earlier.least < inverse->best.objective * (1. - 1e-12));
-  PetscReal      *t;
+  const PetscBool earlier =
+    (PetscBool)(inverse->earlier.least < inverse->best.objective * (1. - 1e-12) && !inverse->met);
+  PetscReal *t;
 
   PetscFunctionBeginUser;
   if (!earlier && (inverse->best.jacobian || !jacobian)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -103,6 +108,7 @@ static PetscErrorCode RunBest(MpmInverse *inverse, const char text[], int *statu
 
   PetscFunctionBeginUser;
   PetscCall(MpmInverseSetOptions(&inverse->problem, inverse->best.t));
+  PetscCall(MpmInverseSetFieldFiles(inverse));
   PetscCall(MpmInverseModelCreate(&inverse->problem, &model));
   if (inverse->problem.scene->caller.terminal) PetscCall(MpmModelUseTerminal(model));
   PetscCall(MpmModelSetFromOptions(model));
@@ -124,6 +130,7 @@ static PetscErrorCode WriteResults(MpmInverse *inverse, int *status)
     PetscCall(MpmInverseWriteJacobian(inverse));
   }
   PetscCall(MpmInverseWriteResiduals(inverse));
+  PetscCall(MpmInverseWriteFields(inverse));
   PetscCall(MpmInversePrint(inverse, statistics.count ? &statistics : NULL));
   PetscCall(MpmInverseText(inverse, statistics.count ? &statistics : NULL, &text));
   PetscCall(RunBest(inverse, text, status));
@@ -154,6 +161,8 @@ static PetscErrorCode Run(MpmModel scene, int *status)
   }
   PetscCall(MpmEvaluationDestroy(&inverse.best));
   PetscCall(MpmTraceClose(&inverse));
+  PetscCall(PetscFree(inverse.above));
+  PetscCall(MpmInverseProblemDestroy(&inverse.problem));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

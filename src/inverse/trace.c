@@ -3,6 +3,7 @@
 */
 #include <string.h>
 #include "inverse/analysis.h"
+#include "inverse/discrepancy.h"
 
 #define OBJECTIVE 1 /* columns: iteration, objective, the parameters, evaluations, start */
 #define FIRST     2
@@ -116,9 +117,12 @@ static PetscErrorCode Print(const MpmInverse *inverse, PetscInt iteration, const
   if (!problem->shows) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(
     PetscPrintf(problem->comm, "%7d %14.7g %6d ", (int)iteration, (double)at->objective, (int)problem->evaluations));
-  for (PetscInt k = 0; k < PetscMin(problem->count, 8); k++)
+  for (PetscInt k = 0; k < PetscMin(problem->ranges->numbers, 8); k++)
     PetscCall(PetscPrintf(problem->comm, " %s %.8g", problem->ranges->at[k].name,
                           (double)MpmRangeValue(&problem->ranges->at[k], at->t[k])));
+  if (MpmInverseLevel(inverse, at) > 0.)
+    PetscCall(PetscPrintf(problem->comm, " squared residuals %.5g of %d data", (double)MpmInverseSquares(at),
+                          (int)at->data.count));
   PetscCall(PetscPrintf(problem->comm, "\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -127,10 +131,12 @@ PetscErrorCode MpmInverseReport(MpmInverse *inverse, PetscInt iteration, const M
 {
   const MpmInverseProblem *problem = &inverse->problem;
   PetscReal               *row;
+  PetscBool                met;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmDiscrepancyFind(inverse, at, &met));
   inverse->iteration = iteration;
-  *stop              = (PetscBool)(inverse->interrupted || iteration >= inverse->settings->iterations);
+  *stop              = (PetscBool)(inverse->interrupted || met || iteration >= inverse->settings->iterations);
   if (!inverse->trace) PetscCall(Open(inverse));
   PetscCall(Print(inverse, iteration, at));
   if (inverse->start == inverse->earlier.start && iteration <= inverse->earlier.iteration)

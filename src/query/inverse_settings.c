@@ -9,7 +9,7 @@ PetscErrorCode MpmInverseSettingsRead(const MpmOptions *options, MpmInverseSetti
   static const char *const methods[] = {"gauss_newton", "blmvm", "descent", NULL};
   const MpmOptions         block     = {options->comm, "mpm_inverse_", options->record};
   PetscInt                 method = 0, groups = 1;
-  PetscBool                rated;
+  PetscBool                rated, level;
 
   PetscFunctionBeginUser;
   settings->iterations = 20;
@@ -33,6 +33,11 @@ PetscErrorCode MpmInverseSettingsRead(const MpmOptions *options, MpmInverseSetti
                           &groups, NULL));
   PetscCall(MpmOptionsBool(&block, "restart", "go on from the last row of PREFIX_inverse.csv, where it is there",
                            &settings->restart, NULL));
+  PetscCall(MpmOptionsReal(&block, "discrepancy", "",
+                           "ends where the squares of the residuals over their deviations are this many times the "
+                           "number of data; 0: goes on; default: 1 with more parameters than data, 0 otherwise",
+                           MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &settings->discrepancy, &level));
+  if (!level) settings->discrepancy = -1.;
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(groups == 1, "-mpm_inverse_groups %d: must be 1 so far", (int)groups);
   MpmCheckInput(!settings->on || settings->method != MPM_DESCENT || rated,

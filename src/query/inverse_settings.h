@@ -14,6 +14,7 @@ typedef struct MpmInverseSettings {
   PetscReal        tolerance; /* change of the parameters, relative */
   PetscReal        rate;      /* of descent: step over gradient */
   PetscBool        restart;
+  PetscReal discrepancy; /* of the squared residuals' sum over the number of data, where it ends; 0: it does not */
 } MpmInverseSettings;
 
 /* Reads the block -mpm_inverse_; of descent the rate must be there where the task is an inverse analysis. */

@@ -2,6 +2,7 @@
   Parameters of an inverse analysis: transforms, bounds, priors.
 */
 #include <string.h>
+#include "ground/ground.h"
 #include "options/options.h"
 #include "query/parameter_range.h"
 
@@ -76,7 +77,7 @@ static PetscErrorCode CheckNumber(const MpmOptions *block, const char name[], co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadRange(const MpmOptions *block, MpmParameterRange *range)
+static PetscErrorCode ReadRange(const MpmOptions *block, MpmParameterRange *range, PetscBool *started)
 {
   static const char *const transforms[] = {"none", "log", "logit", NULL};
   PetscInt                 transform    = 0;
@@ -93,7 +94,7 @@ static PetscErrorCode ReadRange(const MpmOptions *block, MpmParameterRange *rang
   PetscCall(MpmOptionsReal(block, "deviation", "", "standard deviation of the prior, of the transformed value",
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &range->deviation, &deviates));
   PetscCall(MpmOptionsReal(block, "start", "", "value to start from; default: the scene's", MPM_RANGE_ANY, MPM_OPTIONAL,
-                           &range->start, NULL));
+                           &range->start, started));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(range->transform != MPM_TRANSFORM_LOGIT || bounded, "-%sbounds is missing: logit is between bounds",
                 block->prefix);
@@ -114,8 +115,9 @@ static PetscErrorCode Group(const MpmSceneParameters *parameters, MpmParameterRa
     MpmParameterRange       *range     = ranges->count ? &ranges->at[ranges->count - 1] : NULL;
 
     if (!k || !parameter->block || !parameter[-1].block || strcmp(parameter->block, parameter[-1].block)) {
-      range  = &ranges->at[ranges->count++];
-      *range = (MpmParameterRange){.lower = PETSC_NINFINITY, .upper = PETSC_INFINITY, .start = parameter->value};
+      range = &ranges->at[ranges->count++];
+      *range =
+        (MpmParameterRange){.lower = PETSC_NINFINITY, .upper = PETSC_INFINITY, .start = parameter->value, .field = -1};
       PetscCall(PetscStrallocpy(parameter->block ? parameter->block : parameter->name, &range->name));
     }
     PetscCall(PetscRealloc((size_t)(range->count + 1) * sizeof(*range->of), &range->of));
@@ -127,7 +129,7 @@ static PetscErrorCode Group(const MpmSceneParameters *parameters, MpmParameterRa
 PetscErrorCode MpmParameterRangePrintHelp(const MpmOptions *block)
 {
   PetscFunctionBeginUser;
-  PetscCall(ReadRange(block, &(MpmParameterRange){0}));
+  PetscCall(ReadRange(block, &(MpmParameterRange){0}, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -143,7 +145,36 @@ PetscErrorCode MpmParameterRangesRead(const MpmOptions *options, const MpmSceneP
   for (PetscInt k = 0; k < ranges->count; k++) {
     if (!parameters->at[ranges->at[k].of[0]].block) continue;
     PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_parameter_%s_", ranges->at[k].name));
-    PetscCall(ReadRange(&block, &ranges->at[k]));
+    PetscCall(ReadRange(&block, &ranges->at[k], NULL));
+  }
+  ranges->numbers = ranges->count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParameterRangesAddField(const MpmOptions *options, const char *block, PetscInt field,
+                                          const MpmGround *ground, PetscBool on, MpmParameterRanges *ranges)
+{
+  char              prefix[256];
+  const MpmOptions  of  = {options->comm, prefix, options->record};
+  MpmParameterRange all = {
+    .lower = PETSC_NINFINITY, .upper = PETSC_INFINITY, .start = ground->value[0], .field = field};
+  PetscBool started = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_parameter_%s_", block ? block : ""));
+  if (block) PetscCall(ReadRange(&of, &all, &started));
+  if (!on) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscRealloc((size_t)(ranges->count + ground->count) * sizeof(*ranges->at), &ranges->at));
+  for (PetscInt k = 0; k < ground->count; k++) {
+    MpmParameterRange *range = &ranges->at[ranges->count++];
+    char               name[PETSC_MAX_OPTION_NAME];
+
+    *range       = all;
+    range->place = k;
+    if (!started) range->start = ground->value[k];
+    PetscCall(CheckNumber(&of, "start", range, range->start));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "%s_%" PetscInt_FMT, block ? block : ground->name, k + 1));
+    PetscCall(PetscStrallocpy(name, &range->name));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

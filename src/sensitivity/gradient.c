@@ -38,8 +38,36 @@ static PetscErrorCode ReadBlocks(MpmModel model, const MpmOptions *options, MpmG
   PetscCall(MpmSceneParametersRead(options, model->scene.materials, model->scene.loads, &gradient->grounds,
                                    &gradient->parameters));
   PetscCall(MpmParameterRangesRead(options, &gradient->parameters, &gradient->ranges));
+  for (PetscInt k = 0; k < gradient->grounds.count; k++)
+    PetscCall(MpmParameterRangesAddField(options, gradient->grounds.at[k].block, k, gradient->grounds.at[k].ground,
+                                         gradient->inverse.on, &gradient->ranges));
   PetscCall(MpmObjectivesRead(options, model->state.period.run_end, &gradient->objectives));
   PetscCall(MpmInverseSettingsRead(options, &gradient->inverse));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* An inverse analysis by fields. */
+static PetscErrorCode CheckFields(const MpmGradient *gradient)
+{
+  const MpmInverseSettings *inverse = &gradient->inverse;
+  const PetscInt            values  = gradient->grounds.values;
+
+  PetscFunctionBeginUser;
+  if (!inverse->on) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(inverse->method != MPM_GAUSS_NEWTON || values <= MPM_MOST_TANGENTS,
+                "-mpm_inverse_method gauss_newton: the fields have %" PetscInt_FMT " values; must be blmvm above %d",
+                values, MPM_MOST_TANGENTS);
+  MpmCheckInput(!values || inverse->starts == 1,
+                "-mpm_inverse_starts %d: must be 1 where values of fields are parameters", (int)inverse->starts);
+  for (PetscInt k = 0; k < gradient->objectives.regular_count; k++) {
+    const MpmRegularization *regular = &gradient->objectives.regular[k];
+    PetscInt                 f       = 0;
+
+    while (f < gradient->grounds.count && strcmp(gradient->grounds.at[f].ground->name, regular->field)) f++;
+    MpmCheckInput(f < gradient->grounds.count, "-mpm_objective_%s_field %s: is no field among -mpm_parameters",
+                  regular->name, regular->field);
+    PetscCall(MpmRegularizationCheck(regular, gradient->grounds.at[f].ground));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -56,6 +84,10 @@ static PetscErrorCode CheckBlocks(const MpmGradient *gradient, const char task[]
     MpmCheckInput(gradient->objectives.at[k].kind == MPM_OBJECTIVE_MISFIT || inverse->method != MPM_GAUSS_NEWTON,
                   "-mpm_objective_%s_kind value: -mpm_inverse_method gauss_newton fits data, a value is none",
                   gradient->objectives.at[k].name);
+  for (PetscInt k = 0; k < gradient->objectives.regular_count; k++)
+    MpmCheckInput(inverse->on, "-mpm_objective_%s_kind: -mpm_task %s has no regularization; inverse has",
+                  gradient->objectives.regular[k].name, task);
+  PetscCall(CheckFields(gradient));
   for (PetscInt k = 0; inverse->on && inverse->starts > 1 && k < gradient->ranges.count; k++)
     MpmCheckInput(gradient->ranges.at[k].upper < PETSC_INFINITY && gradient->ranges.at[k].lower > PETSC_NINFINITY,
                   "-mpm_parameter_%s_bounds is missing: -mpm_inverse_starts %d are made between bounds",
@@ -115,8 +147,8 @@ PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options, const 
     PetscCall(MpmGradientFindOpen(model, model->gradient->open));
   }
   PetscCall(MpmFieldParametersCheck(model, &model->gradient->grounds));
-  MpmCheckInput(!model->gradient->grounds.count || !task || task == 1,
-                "-mpm_task %s: takes no fields yet as parameters; -mpm_task gradient does", tasks[task]);
+  MpmCheckInput(!model->gradient->grounds.count || task != 2,
+                "-mpm_task %s: takes no fields yet as parameters; gradient and inverse do", tasks[task]);
   if (model->gradient->checks && model->gradient->grounds.count) model->gradient->method = MPM_GRADIENT_ADJOINT;
   if (!kind) model->disc.grid->balance = PETSC_INFINITY; /* replayed steps have the numbers of their nodes */
   PetscCall(FindColumns(model));

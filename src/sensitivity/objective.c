@@ -84,23 +84,21 @@ static PetscErrorCode ReadDeviation(const MpmOptions *block, MpmObjective *objec
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadOne(const MpmOptions *options, const char name[], PetscReal end, MpmObjective *objective)
+/* An objective with a column of the history. */
+static PetscErrorCode ReadColumn(const MpmOptions *options, const char name[], PetscReal end, MpmObjective *objective)
 {
-  static const char *const kinds[] = {"misfit", "value", NULL}, *const ends[] = {"end", NULL};
-  char       prefix[256], *path;
-  MpmOptions block = {options->comm, prefix, options->record};
-  PetscInt   kind = 0, at = 0;
-  PetscBool  given, target;
+  static const char *const ends[] = {"end", NULL};
+  const char *const        prefix = options->prefix;
+  const MpmOptions         block  = *options;
+  const PetscInt           kind   = (PetscInt)objective->kind;
+  char                    *path;
+  PetscInt                 at = 0;
+  PetscBool                given, target;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_objective_%s_", name));
   PetscCall(PetscStrallocpy(name, &objective->name));
   objective->over_curve = -1;
-  PetscCall(MpmOptionsHeading(&block, "Objective"));
   PetscCall(MpmOptionsText(&block, "column", "column of the history", NULL, MPM_REQUIRED, &objective->column));
-  PetscCall(MpmOptionsWord(&block, "kind", "misfit: distance from data, or from a target; value: the last value itself",
-                           kinds, MPM_OPTIONAL, &kind, NULL));
-  objective->kind = (MpmObjectiveKind)kind;
   PetscCall(MpmOptionsPath(&block, "data", "file with columns time and the objective's", MPM_OPTIONAL, &path));
   PetscCall(MpmOptionsText(&block, "over", "column of the history and of the data that stands for the time", NULL,
                            MPM_OPTIONAL, &objective->over));
@@ -118,6 +116,35 @@ static PetscErrorCode ReadOne(const MpmOptions *options, const char name[], Pets
     PetscCall(CheckData(&block, path, objective, end));
   }
   PetscCall(PetscFree(path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* An objective or a regularization by its kind. */
+static PetscErrorCode ReadOne(const MpmOptions *options, const char name[], PetscReal end, MpmObjectives *objectives)
+{
+  static const char *const kinds[] = {"misfit", "value", "tikhonov", "total_variation", "prior", NULL};
+  const PetscInt           others  = 2; /* kinds that have a column */
+  char                     prefix[256];
+  MpmOptions               block = {options->comm, prefix, options->record};
+  PetscInt                 kind  = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_objective_%s_", name));
+  PetscCall(MpmOptionsHeading(&block, "Objective"));
+  PetscCall(MpmOptionsWord(&block, "kind",
+                           "misfit: distance from data, or from a target; value: the last value itself; of a field's "
+                           "values in an inverse analysis: tikhonov: squared differences of neighbour cells; "
+                           "total_variation: their size, for edges; prior: distance from a mean, with correlation",
+                           kinds, MPM_OPTIONAL, &kind, NULL));
+  if (kind < others || MpmOptionsHelp()) {
+    MpmObjective *objective = &objectives->at[objectives->count++];
+
+    objective->kind = (MpmObjectiveKind)kind;
+    PetscCall(ReadColumn(&block, name, end, objective));
+  }
+  if (kind >= others || MpmOptionsHelp())
+    PetscCall(MpmRegularizationRead(&block, name, (MpmRegularizationKind)PetscMax(kind - others, 0),
+                                    &objectives->regular[objectives->regular_count++]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -164,12 +191,14 @@ PetscErrorCode MpmObjectivesRead(const MpmOptions *options, PetscReal end, MpmOb
 {
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsBlocks(options, "objectives", "names of the numbers whose sum is differentiated", MPM_OPTIONAL,
-                             &objectives->asked, &objectives->names));
+                             &objectives->name_count, &objectives->names));
   PetscCall(MpmOptionsBlocks(options, "predictions", "names of numbers whose bounds an inverse analysis gives",
                              MPM_OPTIONAL, &objectives->predicted, &objectives->predictions));
-  PetscCall(PetscCalloc1((2 * objectives->asked + objectives->predicted), &objectives->at));
-  for (PetscInt k = 0; k < objectives->asked; k++)
-    PetscCall(ReadOne(options, objectives->names[k], end, &objectives->at[objectives->count++]));
+  PetscCall(PetscCalloc1((2 * objectives->name_count + objectives->predicted), &objectives->at));
+  PetscCall(PetscCalloc1(objectives->name_count, &objectives->regular));
+  for (PetscInt k = 0; k < objectives->name_count; k++)
+    PetscCall(ReadOne(options, objectives->names[k], end, objectives));
+  objectives->asked = objectives->count;
   for (PetscInt k = 0; k < objectives->predicted; k++)
     PetscCall(ReadPrediction(options, objectives->predictions[k], &objectives->at[objectives->count++]));
   PetscCall(AddAbscissae(objectives));
@@ -186,7 +215,9 @@ PetscErrorCode MpmObjectivesDestroy(MpmObjectives *objectives)
     PetscCall(MpmCsvTableDestroy(&objectives->at[k].data));
   }
   PetscCall(PetscFree(objectives->at));
-  PetscCall(MpmNamesDestroy(objectives->asked, &objectives->names));
+  for (PetscInt k = 0; k < objectives->regular_count; k++) PetscCall(MpmRegularizationDestroy(&objectives->regular[k]));
+  PetscCall(PetscFree(objectives->regular));
+  PetscCall(MpmNamesDestroy(objectives->name_count, &objectives->names));
   PetscCall(MpmNamesDestroy(objectives->predicted, &objectives->predictions));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

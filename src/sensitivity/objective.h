@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "io/csv_table.h"
+#include "sensitivity/regularization.h"
 #include "talus/talus.h"
 
 typedef enum {
@@ -31,11 +32,14 @@ typedef struct {
   PetscInt         row, part;            /* of the history's columns */
 } MpmObjective;
 
-/* Those asked for, then predictions and abscissae. */
+/* Those asked for, then predictions and abscissae; regularizations have no column. */
 typedef struct {
-  PetscInt      count, asked, predicted;
-  char        **names, **predictions;
-  MpmObjective *at;
+  PetscInt           count, asked, predicted;
+  PetscInt           name_count; /* of the list: those asked for, and regularizations */
+  char             **names, **predictions;
+  MpmObjective      *at;
+  PetscInt           regular_count;
+  MpmRegularization *regular;
 } MpmObjectives;
 
 /* The objectives' columns over a run, after each step, the start first. */

@@ -102,7 +102,7 @@ static PetscErrorCode Add(const MpmOptions *options, const Places *places, const
 
   PetscFunctionBeginUser;
   if (!strncmp(name, "field_", 6) && !strchr(name, '.'))
-    PetscFunctionReturn(MpmFieldParameterAdd(places->materials, &name[6], places->grounds));
+    PetscFunctionReturn(MpmFieldParameterAdd(places->materials, &name[6], block, places->grounds));
   for (PetscInt k = 0; k < parameters->count; k++)
     MpmCheckInput(strcmp(parameters->at[k].name, name), "-mpm_parameters %s: is there twice", name);
   PetscCall(PetscRealloc((size_t)(parameters->count + 1) * sizeof(*parameters->at), &parameters->at));
@@ -169,7 +169,7 @@ PetscErrorCode MpmSceneParametersRead(const MpmOptions *options, const MpmMateri
                      NULL, field ? MPM_OPTIONAL : MPM_REQUIRED, &of));
     if (MpmOptionsHelp()) PetscCall(MpmParameterRangePrintHelp(&block));
     MpmCheckInput(!of || !field || MpmOptionsHelp(), "-%sfield %s: must be alone: of is given, too", prefix, field);
-    if (field && !MpmOptionsHelp()) PetscCall(MpmFieldParameterAdd(materials, field, grounds));
+    if (field && !MpmOptionsHelp()) PetscCall(MpmFieldParameterAdd(materials, field, names[k], grounds));
     PetscCall(PetscFree(field));
     if (of && !MpmOptionsHelp()) PetscCall(AddNames(options, places, of, names[k], parameters));
     PetscCall(PetscFree(of));

@@ -12,8 +12,6 @@
 #include "volume/volume.h"
 #include "stepmap/ground_parameters.h"
 
-#define MOST_TANGENTS 1000 /* values of fields that a tangent run takes */
-
 /* The places of the law's table that have the field's values; -1: one of the physics. */
 static PetscErrorCode FindPlaces(const MpmMaterial *material, MpmFieldParameter *parameter, PetscBool *physics)
 {
@@ -30,7 +28,8 @@ static PetscErrorCode FindPlaces(const MpmMaterial *material, MpmFieldParameter 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmFieldParameterAdd(const MpmMaterials *materials, const char name[], MpmFieldParameters *grounds)
+PetscErrorCode MpmFieldParameterAdd(const MpmMaterials *materials, const char name[], const char *block,
+                                    MpmFieldParameters *grounds)
 {
   const MpmGrounds  *fields = materials->grounds;
   MpmFieldParameter *parameter;
@@ -47,6 +46,7 @@ PetscErrorCode MpmFieldParameterAdd(const MpmMaterials *materials, const char na
   PetscCall(PetscMemzero(parameter, sizeof(*parameter)));
   parameter->ground = &fields->at[f];
   parameter->first  = grounds->values;
+  PetscCall(PetscStrallocpy(block, &parameter->block));
   grounds->values += parameter->ground->count;
   while (strcmp(materials->names[parameter->material], parameter->ground->material)) parameter->material++;
   PetscCall(FindPlaces(&materials->at[parameter->material], parameter, &physics));
@@ -76,6 +76,7 @@ PetscErrorCode MpmFieldParametersDestroy(MpmFieldParameters *grounds)
   PetscCall(DestroyDirections(grounds));
   for (PetscInt k = 0; k < grounds->count; k++) {
     PetscCall(PetscFree(grounds->at[k].place));
+    PetscCall(PetscFree(grounds->at[k].block));
     PetscCall(PetscFree(grounds->at[k].sums));
   }
   PetscCall(PetscFree(grounds->at));
@@ -142,9 +143,9 @@ PetscErrorCode MpmGroundDirectionsCreate(PetscBool checks, MpmFieldParameters *g
 
   PetscFunctionBeginUser;
   PetscCall(DestroyDirections(grounds));
-  MpmCheckInput(checks || grounds->values <= MOST_TANGENTS,
+  MpmCheckInput(checks || grounds->values <= MPM_MOST_TANGENTS,
                 "-mpm_gradient_method tangent: the fields have %" PetscInt_FMT " values; must be adjoint above %d",
-                grounds->values, MOST_TANGENTS);
+                grounds->values, MPM_MOST_TANGENTS);
   PetscCall(PetscCalloc1(checks ? grounds->count * MPM_GROUND_CHECKS : grounds->values, &grounds->direction));
   for (PetscInt k = 0; k < grounds->count; k++) {
     const MpmGround *ground = grounds->at[k].ground;

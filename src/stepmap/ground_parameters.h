@@ -6,11 +6,13 @@
 #include "base/types.h"
 #include "ground/ground.h"
 
-#define MPM_GROUND_CHECKS 3 /* directions along which a field's derivatives are checked */
+#define MPM_GROUND_CHECKS 3    /* directions along which a field's derivatives are checked */
+#define MPM_MOST_TANGENTS 1000 /* values of fields that a tangent run takes */
 
 /* One field. */
 typedef struct {
   const MpmGround *ground;
+  char            *block; /* of the list -mpm_parameters; NULL: of the short form */
   PetscInt         material;
   PetscInt         place_count, *place; /* in the law's parameter table: its number, and those that vary with it */
   PetscBool        density, modulus;    /* the number is the density; E, by whose largest value penalties go */
@@ -34,8 +36,9 @@ typedef struct MpmFieldParameters {
   MpmGroundDirection *direction;
 } MpmFieldParameters;
 
-/* Adds a field by its name. Collective. */
-PetscErrorCode MpmFieldParameterAdd(const MpmMaterials *materials, const char name[], MpmFieldParameters *grounds);
+/* Adds a field by its name, of a block of -mpm_parameters or NULL. Collective. */
+PetscErrorCode MpmFieldParameterAdd(const MpmMaterials *materials, const char name[], const char *block,
+                                    MpmFieldParameters *grounds);
 PetscErrorCode MpmFieldParametersDestroy(MpmFieldParameters *grounds);
 /* Refuses a scene with a part that takes a field's number and has no derivative by it yet. */
 PetscErrorCode MpmFieldParametersCheck(const MpmModel model, const MpmFieldParameters *grounds);
