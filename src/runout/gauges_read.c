@@ -1,107 +1,124 @@
 /*
-  Gauges: a place, a line, an outline or a path, and the samples that they take of the flow, half a cell apart.
+  Options of gauges: a place, a line, an outline or a path, or the features of a file.
 */
-#include "maps/bed.h"
+#include <ctype.h>
+#include <string.h>
+#include "maps/map.h"
+#include "maps/outline.h"
 #include "options/options.h"
 #include "runout/runout_impl.h"
-
-#define APART 0.5 /* cells between samples */
 
 static const char *const kinds[MPM_GAUGE_KINDS] = {"place", "line", "outline", "path"};
 static const PetscInt    least[MPM_GAUGE_KINDS] = {1, 2, 3, 2};
 
-/* Room for more samples. */
-static PetscErrorCode Grow(MpmGauge *gauge, PetscInt more)
+/* A gauge more, without samples. */
+static PetscErrorCode Append(MpmGaugeKind kind, const char name[], MpmGauges *gauges, MpmGauge **gauge)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscRealloc((size_t)(gauge->count + more) * sizeof(*gauge->sample), &gauge->sample));
-  PetscCall(PetscArrayzero(&gauge->sample[gauge->count], more));
-  gauge->count += more;
+  for (PetscInt g = 0; g < gauges->count; g++)
+    MpmCheckInput(strcmp(gauges->at[g].name, name), "-mpm_gauges: two have the name %s", name);
+  PetscCall(PetscRealloc((size_t)(gauges->count + 1) * sizeof(*gauges->at), &gauges->at));
+  *gauge = &gauges->at[gauges->count++];
+  PetscCall(PetscMemzero(*gauge, sizeof(**gauge)));
+  PetscCall(PetscStrallocpy(name, &(*gauge)->name));
+  (*gauge)->kind = kind;
+  if (kind == MPM_GAUGE_PATH) (*gauge)->kept[0] = (*gauge)->kept[1] = -1.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscReal Spacing(const MpmGrid *grid)
+/* The name of a feature's gauge: that of the block, and the label. */
+static PetscErrorCode NameOf(const char block[], const char label[], char **name)
 {
-  return APART * PetscMin(grid->h[0], grid->h[1]);
-}
-
-/* Pieces of a line from s on, each with its middle. */
-static PetscErrorCode AddPiece(const MpmGrid *grid, const PetscReal from[], const PetscReal to[], PetscReal *s,
-                               MpmGauge *gauge)
-{
-  const PetscReal along[2] = {to[0] - from[0], to[1] - from[1]};
-  const PetscReal length   = PetscSqrtReal(along[0] * along[0] + along[1] * along[1]);
-  const PetscInt  pieces = PetscMax((PetscInt)PetscCeilReal(length / Spacing(grid)), 1), begin = gauge->count;
-
   PetscFunctionBeginUser;
-  PetscCall(Grow(gauge, pieces));
-  for (PetscInt k = 0; k < pieces; k++) {
-    const PetscReal part   = ((PetscReal)k + 0.5) / (PetscReal)pieces;
-    MpmSample      *sample = &gauge->sample[begin + k];
-
-    for (PetscInt a = 0; a < 2; a++) sample->x[a] = from[a] + part * along[a];
-    sample->normal[0] = along[1] / (PetscReal)pieces;
-    sample->normal[1] = -along[0] / (PetscReal)pieces;
-    sample->s         = *s + part * length;
-  }
-  *s += length;
+  *name = NULL;
+  PetscCall(label ? MpmTextAppend(name, "%s_%s", block, label) : MpmTextAppend(name, "%s", block));
+  for (char *c = *name; *c; c++)
+    if (!isalnum((unsigned char)*c)) *c = '_';
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* By the rule of even and odd crossings. */
-static PetscBool Inside(PetscInt count, const PetscReal vertex[], const PetscReal x[])
+/* True of a hole in a polygon, which turns right. */
+static PetscBool IsHole(const MpmOutline *outline, PetscInt path)
 {
-  PetscBool in = PETSC_FALSE;
+  const PetscInt   begin = outline->start[path], count = outline->start[path + 1] - begin;
+  const PetscReal *at   = &outline->at[2 * begin];
+  PetscReal        area = 0.;
 
-  for (PetscInt k = 0; k < count; k++) {
-    const PetscReal *a = &vertex[2 * k], *b = &vertex[2 * ((k + 1) % count)];
+  for (PetscInt v = 0; v < count; v++) {
+    const PetscReal *a = &at[2 * v], *b = &at[2 * ((v + 1) % count)];
 
-    if ((a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (b[0] - a[0]) * (x[1] - a[1]) / (b[1] - a[1]))
-      in = (PetscBool)!in;
+    area += a[0] * b[1] - a[1] * b[0];
   }
-  return in;
+  return (PetscBool)(area < 0.);
 }
 
-/* The corners of an outline, and places inside. */
-static PetscErrorCode AddOutline(const MpmGrid *grid, PetscInt count, const PetscReal vertex[], MpmGauge *gauge)
+/* Features of a file: one gauge, or one for each label. */
+static PetscErrorCode ReadFile(const MpmModel model, const MpmOptions *block, const char name[], const char path[],
+                               const char label[])
 {
-  const PetscReal apart    = Spacing(grid);
-  PetscReal       lower[2] = {vertex[0], vertex[1]}, upper[2] = {vertex[0], vertex[1]}, x[2];
+  static const MpmGaugeKind of[]                     = {[MPM_OUTLINE_POINT]   = MPM_GAUGE_PLACE,
+                                                        [MPM_OUTLINE_LINE]    = MPM_GAUGE_LINE,
+                                                        [MPM_OUTLINE_POLYGON] = MPM_GAUGE_OUTLINE};
+  const MpmPlane           *plane                    = MpmRecordPlane(block->record);
+  MpmGauges                *gauges                   = &model->runout->gauges;
+  MpmOutlineAsk             ask                      = {0};
+  MpmOutline                outline                  = {0};
+  MpmGauge                 *gauge                    = NULL;
+  char                      message[MPM_MAP_MESSAGE] = "";
 
   PetscFunctionBeginUser;
-  PetscCall(Grow(gauge, count));
-  for (PetscInt k = 0; k < 2 * count; k++) {
-    gauge->sample[k / 2].x[k % 2] = vertex[k];
-    lower[k % 2]                  = PetscMin(lower[k % 2], vertex[k]);
-    upper[k % 2]                  = PetscMax(upper[k % 2], vertex[k]);
+  if (plane) ask = (MpmOutlineAsk){plane->project, plane->system, {plane->origin[0], plane->origin[1]}};
+  PetscCall(MpmOutlineRead(path, &ask, &outline, message));
+  MpmCheckInput(!message[0] && outline.features, "-%sfile %s: %s", block->prefix, path,
+                message[0] ? message : "is empty");
+  for (PetscInt f = 0; f < outline.features; f++) {
+    const MpmFeature *feature = &outline.feature[f];
+    const char       *text    = label ? MpmOutlineText(&outline, f, label) : NULL;
+    char             *whole;
+
+    MpmCheckInput(!label || text, "-%slabel %s: feature %" PetscInt_FMT " of %s has no such attribute", block->prefix,
+                  label, f + 1, path);
+    MpmCheckInput(label || !f || feature->type == outline.feature[0].type,
+                  "-%sfile %s: has features of several kinds, which need a label", block->prefix, path);
+    PetscCall(NameOf(name, text, &whole));
+    if (!gauge || label) PetscCall(Append(of[feature->type], whole, gauges, &gauge));
+    PetscCall(PetscFree(whole));
+    for (PetscInt k = feature->first; k < feature->end; k++)
+      if (feature->type != MPM_OUTLINE_POLYGON || !IsHole(&outline, k))
+        PetscCall(MpmGaugeAddSamples(model->disc.grid, outline.start[k + 1] - outline.start[k],
+                                     &outline.at[2 * outline.start[k]], gauge));
+    MpmCheckInput(gauge->count, "-%sfile %s: feature %" PetscInt_FMT " is outside of the grid", block->prefix, path,
+                  f + 1);
   }
-  for (x[1] = lower[1] + 0.5 * apart; x[1] < upper[1]; x[1] += apart) {
-    for (x[0] = lower[0] + 0.5 * apart; x[0] < upper[0]; x[0] += apart) {
-      if (!Inside(count, vertex, x)) continue;
-      PetscCall(Grow(gauge, 1));
-      for (PetscInt a = 0; a < 2; a++) gauge->sample[gauge->count - 1].x[a] = x[a];
-    }
-  }
+  PetscCall(MpmOutlineDestroy(&outline));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Samples of a gauge with these vertices, m. */
-static PetscErrorCode AddSamples(const MpmGrid *grid, PetscInt count, const PetscReal vertex[], MpmGauge *gauge)
+/* A file of a block; `given`: there is one. */
+static PetscErrorCode ReadFileOptions(const MpmModel model, const MpmOptions *block, const char name[],
+                                      PetscBool *given)
 {
-  PetscReal s = 0.;
+  char *path, *label;
 
   PetscFunctionBeginUser;
-  if (gauge->kind == MPM_GAUGE_PLACE) {
-    PetscCall(Grow(gauge, 1));
-    for (PetscInt a = 0; a < 2; a++) gauge->sample[0].x[a] = vertex[a];
-  } else if (gauge->kind == MPM_GAUGE_OUTLINE) PetscCall(AddOutline(grid, count, vertex, gauge));
-  else
-    for (PetscInt k = 0; k + 1 < count; k++) PetscCall(AddPiece(grid, &vertex[2 * k], &vertex[2 * k + 2], &s, gauge));
+  PetscCall(MpmOptionsPath(block, "file",
+                           "file of places, lines or polygons: GeoJSON, or a shapefile, GeoPackage and others by GDAL",
+                           MPM_OPTIONAL, &path));
+  PetscCall(
+    MpmOptionsText(block, "label",
+                   "attribute of the file's features: each is a gauge of its own, NAME_<label>; without it they "
+                   "are one",
+                   NULL, MPM_OPTIONAL, &label));
+  *given = (PetscBool)(path != NULL);
+  MpmCheckInput(path || !label || MpmOptionsHelp(), "-%slabel: needs a file", block->prefix);
+  if (path && !MpmOptionsHelp()) PetscCall(ReadFile(model, block, name, path, label));
+  PetscCall(PetscFree(path));
+  PetscCall(PetscFree(label));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One block: exactly one of the kinds. */
-static PetscErrorCode ReadGauge(const MpmModel model, const MpmOptions *options, const char name[], MpmGauge *gauge)
+/* One block: exactly one of the kinds, or a file. */
+static PetscErrorCode ReadGauge(const MpmModel model, const MpmOptions *options, const char name[])
 {
   static const char *const help[MPM_GAUGE_KINDS] = {
     "x,y of a place: the history has depth, speed and pressure there",
@@ -112,23 +129,25 @@ static PetscErrorCode ReadGauge(const MpmModel model, const MpmOptions *options,
     "began to the furthest place that it has reached; PREFIX_gauge_NAME.csv has bed and largest values along it"};
   const MpmGrid *grid = model->disc.grid;
   char           prefix[256];
-  PetscInt       count[MPM_GAUGE_KINDS], found = 0;
+  PetscInt       count[MPM_GAUGE_KINDS], found = 0, k = 0;
   PetscReal     *vertex[MPM_GAUGE_KINDS];
+  PetscBool      file = PETSC_FALSE;
+  MpmGauge      *gauge;
   MpmOptions     block = {options->comm, prefix, options->record};
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_gauge_%s_", name));
   PetscCall(MpmOptionsHeading(&block, "Gauge (-mpm_physics depth_averaged)"));
-  for (PetscInt k = 0; k < MPM_GAUGE_KINDS; k++) {
-    PetscCall(MpmOptionsRealList(&block, kinds[k], "m", help[k], MPM_OPTIONAL, &count[k], &vertex[k]));
-    if (!count[k]) continue;
-    gauge->kind = (MpmGaugeKind)k;
+  for (PetscInt c = 0; c < MPM_GAUGE_KINDS; c++) {
+    PetscCall(MpmOptionsRealList(&block, kinds[c], "m", help[c], MPM_OPTIONAL, &count[c], &vertex[c]));
+    if (!count[c]) continue;
+    k = c;
     found++;
   }
-  if (!MpmOptionsHelp()) {
-    const PetscInt k = (PetscInt)gauge->kind;
-
-    MpmCheckInput(found == 1, "-%splace, line, outline or path: must have one of them", prefix);
+  PetscCall(ReadFileOptions(model, &block, name, &file));
+  MpmCheckInput(found + (PetscInt)file == 1 || MpmOptionsHelp(),
+                "-%splace, line, outline, path or file: must have one of them", prefix);
+  if (!MpmOptionsHelp() && !file) {
     MpmCheckInput(count[k] % 2 == 0 && count[k] >= 2 * least[k] && (k || count[k] == 2),
                   "-%s%s: has %" PetscInt_FMT " numbers, must have %s%" PetscInt_FMT, prefix, kinds[k], count[k],
                   k ? "an even number, at least " : "", 2 * least[k]);
@@ -136,9 +155,10 @@ static PetscErrorCode ReadGauge(const MpmModel model, const MpmOptions *options,
       MpmCheckInput(vertex[k][c] >= grid->lower[c % 2] && vertex[k][c] <= grid->upper[c % 2],
                     "-%s%s: %g is outside of the grid on axis %c", prefix, kinds[k], (double)vertex[k][c], "xy"[c % 2]);
     }
-    PetscCall(AddSamples(grid, count[k] / 2, vertex[k], gauge));
+    PetscCall(Append((MpmGaugeKind)k, name, &model->runout->gauges, &gauge));
+    PetscCall(MpmGaugeAddSamples(grid, count[k] / 2, vertex[k], gauge));
   }
-  for (PetscInt k = 0; k < MPM_GAUGE_KINDS; k++) PetscCall(PetscFree(vertex[k]));
+  for (PetscInt c = 0; c < MPM_GAUGE_KINDS; c++) PetscCall(PetscFree(vertex[c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -171,18 +191,14 @@ static PetscErrorCode FindSlots(const MpmGrid *grid, MpmGauges *gauges)
 PetscErrorCode MpmGaugesRead(MpmModel model, const MpmOptions *options)
 {
   MpmGauges *gauges = &model->runout->gauges;
+  PetscInt   count;
+  char     **names;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsBlocks(options, "gauges", "names of places, lines, outlines and paths that observe the flow",
-                             MPM_OPTIONAL, &gauges->count, &gauges->names));
-  PetscCall(PetscCalloc1(gauges->count, &gauges->at));
-  for (PetscInt g = 0; g < gauges->count; g++) {
-    MpmGauge *gauge = &gauges->at[g];
-
-    gauge->name = gauges->names[g];
-    PetscCall(ReadGauge(model, options, gauge->name, gauge));
-    if (gauge->kind == MPM_GAUGE_PATH) gauge->kept[0] = gauge->kept[1] = -1.;
-  }
+                             MPM_OPTIONAL, &count, &names));
+  for (PetscInt g = 0; g < count; g++) PetscCall(ReadGauge(model, options, names[g]));
+  PetscCall(MpmNamesDestroy(count, &names));
   if (gauges->count && !MpmOptionsHelp()) PetscCall(FindSlots(model->disc.grid, gauges));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -190,10 +206,12 @@ PetscErrorCode MpmGaugesRead(MpmModel model, const MpmOptions *options)
 PetscErrorCode MpmGaugesDestroy(MpmGauges *gauges)
 {
   PetscFunctionBeginUser;
-  for (PetscInt g = 0; g < gauges->count && gauges->at; g++) PetscCall(PetscFree(gauges->at[g].sample));
+  for (PetscInt g = 0; g < gauges->count; g++) {
+    PetscCall(PetscFree(gauges->at[g].name));
+    PetscCall(PetscFree(gauges->at[g].sample));
+  }
   PetscCall(PetscFree(gauges->at));
   PetscCall(PetscFree(gauges->slot));
   PetscCall(PetscFree(gauges->value));
-  PetscCall(MpmNamesDestroy(gauges->count, &gauges->names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -39,7 +39,7 @@ typedef enum { MPM_GAUGE_PLACE, MPM_GAUGE_LINE, MPM_GAUGE_OUTLINE, MPM_GAUGE_PAT
   path     kept: distance where the flow began and the furthest that it has reached, m; -1: nowhere yet
 */
 typedef struct {
-  char        *name; /* borrowed from the list */
+  char        *name;
   MpmGaugeKind kind;
   PetscInt     count;
   MpmSample   *sample;
@@ -48,7 +48,6 @@ typedef struct {
 
 typedef struct {
   PetscInt   count;
-  char     **names;
   MpmGauge  *at;
   PetscInt  *slot; /* by node of the grid: place among the values, or -1 */
   PetscInt   slots;
@@ -90,6 +89,11 @@ PetscReal MpmLatticeAt(const MpmGrid *grid, const PetscReal field[], const Petsc
 /* The state of the last observation as a map named by its step; all peaks. Collective. */
 PetscErrorCode MpmRunoutWriteState(MpmModel model);
 PetscErrorCode MpmRunoutWritePeaks(MpmModel model);
+
+/* ---- gauge_samples.c ---- */
+
+/* Adds the samples of a gauge along these vertices, m, without those outside of the grid. */
+PetscErrorCode MpmGaugeAddSamples(const MpmGrid *grid, PetscInt count, const PetscReal vertex[], MpmGauge *gauge);
 
 /* ---- gauges.c, gauges_read.c ---- */
 
