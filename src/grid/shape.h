@@ -44,7 +44,7 @@ typedef struct {
 
 /* Overlaps with an interval that are smaller than this part of the domain are rounding. */
 #define MPM_SHAPE_TOUCH 1e-9
-/* In explicit steps of columns under their own pressure: as long as overlaps do not count, a body whose points fill whole
+/* In explicit steps of columns under their own pressure: while overlaps do not count, a body whose points fill whole
    cells has half of its pressure's stiffness, and modes without any that grow. */
 #define MPM_SHAPE_TOUCH_COLUMNS 1e-14
 /* Distance, in cells, that points on a face or an edge count as inside: no node has a gradient without a weight. */

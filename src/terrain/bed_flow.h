@@ -74,3 +74,5 @@ void MpmBedFindMeans(const MpmSum *sum, MpmBedFlow *flow);
 void MpmBedFindLevels(const MpmSum *sum, MpmBedFlow *flow);
 /* Velocities of the nodes after an increment over `kick`, s, with the resistance of the bed (bed_resistance.c). */
 PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal kick, PetscReal velocity[]);
+/* Takes energy from oscillations of affine velocities at a step's end (bed_calm.c). */
+PetscErrorCode MpmBedCalm(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);

@@ -265,4 +265,5 @@ static PetscBool Idle(const void *ctx)
   return PETSC_TRUE;
 }
 
-const MpmTerm MpmTermBed = {.name = "bed", .idle = Idle, .motion = {.push = Push, .resist = MpmBedResist}};
+const MpmTerm MpmTermBed = {
+  .name = "bed", .idle = Idle, .motion.push = Push, .motion.resist = MpmBedResist, .step.commit = MpmBedCalm};
