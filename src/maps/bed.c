@@ -3,12 +3,14 @@
 */
 #include "options/options.h"
 #include "maps/bed.h"
+#include "maps/map_fill.h"
 #include "maps/map_noise.h"
 #include "maps/map_smooth.h"
+#include "maps/raise.h"
 
 #define SLACK 1e-9 /* of a pixel: places so far beyond the outer centres are on them */
 
-/* Fails where the map does not cover a rectangle, or has no data in it. */
+/* Fails where the map does not cover a rectangle. */
 static PetscErrorCode Cover(const MpmBed *bed, const PetscReal lower[], const PetscReal upper[])
 {
   const MpmMap   *map     = &bed->map;
@@ -24,16 +26,6 @@ static PetscErrorCode Cover(const MpmBed *bed, const PetscReal lower[], const Pe
       "-mpm_terrain_file %s: covers %.10g to %.10g on axis %c between the centres of its pixels, the grid goes from "
       "%.10g to %.10g",
       bed->file, (double)first[a], (double)last, "xy"[a], (double)lower[a], (double)upper[a]);
-  }
-  for (PetscInt64 k = 0; k < (PetscInt64)map->columns * map->rows && !bed->outflow; k++) {
-    const PetscReal x = map->x0 + (PetscReal)(k % map->columns) * map->cell[0];
-    const PetscReal y = map->y0 + (PetscReal)(k / map->columns) * map->cell[1];
-
-    if (x <= lower[0] - map->cell[0] || x >= upper[0] + map->cell[0] || y <= lower[1] - map->cell[1] ||
-        y >= upper[1] + map->cell[1])
-      continue;
-    MpmCheckInput(!PetscIsNanReal(map->value[k]), "-mpm_terrain_file %s: has no data at (%.10g, %.10g), in the grid",
-                  bed->file, (double)x, (double)y);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -87,6 +79,9 @@ static PetscErrorCode ReadMap(const MpmOptions *terrain, const PetscReal lower[]
                            "standard deviation of the Gaussian by which heights are averaged",
                            ((MpmRange){0., 1000., PETSC_FALSE}), MPM_OPTIONAL, &smooth, NULL));
   PetscCall(MpmMapNoiseRead(terrain, &noise));
+  PetscCall(MpmOptionsBool(terrain, "outflow",
+                           "material that comes where the map has no data is gone; otherwise it ends the run",
+                           &bed->outflow, NULL));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   ask->lower  = lower;
   ask->upper  = upper;
@@ -96,6 +91,8 @@ static PetscErrorCode ReadMap(const MpmOptions *terrain, const PetscReal lower[]
   PetscCall(MpmMapSmooth(smooth, &bed->map));
   PetscCall(MpmMapNoiseAdd(&noise, &bed->map));
   PetscCall(Cover(bed, lower, upper));
+  PetscCall(MpmMapFill(&bed->map, &bed->missing));
+  MpmCheckInput(!PetscIsNanReal(bed->map.value[0]), "-mpm_terrain_file %s: has no data in the grid", bed->file);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,7 +116,10 @@ PetscErrorCode MpmBedRead(const MpmOptions *options, const PetscReal lower[], co
                            slopes, MPM_OPTIONAL, &slope, NULL));
   bed->normal = (PetscBool)!slope;
   MpmCheckInput(!given || !bed->file || MpmOptionsHelp(), "-mpm_bed: -mpm_terrain_file has the bed");
-  if (bed->file || MpmOptionsHelp()) PetscCall(ReadMap(&terrain, lower, upper, &ask, bed));
+  if (bed->file || MpmOptionsHelp()) {
+    PetscCall(ReadMap(&terrain, lower, upper, &ask, bed));
+    PetscCall(MpmBedRaise(options, bed));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,8 +128,19 @@ PetscErrorCode MpmBedDestroy(MpmBed *bed)
   PetscFunctionBeginUser;
   PetscCall(PetscFree(bed->file));
   PetscCall(PetscFree(bed->project));
+  PetscCall(PetscFree(bed->missing));
   PetscCall(MpmMapDestroy(&bed->map));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmBedIsMissing(const MpmBed *bed, const PetscReal x[])
+{
+  const MpmMap   *map = &bed->map;
+  const PetscReal u = (x[0] - map->x0) / map->cell[0] + 0.5, v = (x[1] - map->y0) / map->cell[1] + 0.5;
+
+  if (!bed->missing) return PETSC_FALSE;
+  return (PetscBool)bed->missing[(PetscInt64)PetscClipInterval(v, 0., (PetscReal)(map->rows - 1)) * map->columns +
+                                 (PetscInt64)PetscClipInterval(u, 0., (PetscReal)(map->columns - 1))];
 }
 
 PetscReal MpmBedHeight(const MpmBed *bed, const PetscReal x[])

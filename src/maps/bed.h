@@ -14,16 +14,18 @@ struct MpmBed {
   MpmMap    map; /* without pixels: the plane counts */
   char     *file, *project;
   PetscBool normal;  /* lengths, depth and pressure count along and normal to the bed */
-  PetscBool outflow; /* material on pixels without data has left */
+  PetscBool outflow; /* material on pixels without data has left; otherwise it ends the run */
+  char     *missing; /* of each pixel: it has no data, and a value from beside; NULL: there is none */
 };
 
 /*
-  Reads -mpm_terrain_file, or -mpm_bed, and -mpm_slope. The map must cover the rectangle, and have data in it unless
-  material may leave.
+  Reads -mpm_terrain_file, or -mpm_bed, and -mpm_slope. The map must cover the rectangle.
 */
 PetscErrorCode MpmBedRead(const MpmOptions *options, const PetscReal lower[], const PetscReal upper[], MpmBed *bed);
 /* Reads the rectangle between the centres of the outer pixels of the terrain's map, before the grid is known. */
 PetscErrorCode MpmBedExtent(const MpmOptions *options, PetscReal lower[2], PetscReal upper[2]);
 PetscErrorCode MpmBedDestroy(MpmBed *bed);
+/* True where the pixel of a place has no data. */
+PetscBool MpmBedIsMissing(const MpmBed *bed, const PetscReal x[]);
 /* Height at a place, m. */
 PetscReal MpmBedHeight(const MpmBed *bed, const PetscReal x[]);

@@ -2,6 +2,7 @@
   Points that come and go: copies of their fields are parked, removed, returned and halved.
 */
 #include "grid/grid.h"
+#include "maps/bed.h"
 #include "particles/particles.h"
 
 /* ---- points that come and go ---- */
@@ -94,8 +95,8 @@ PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *here, PetscInt **outside,
-                                       PetscInt *count)
+PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *grid, const MpmBed *bed, PetscInt *here,
+                                       PetscInt **outside, PetscInt *count)
 {
   PetscInt  *index, local;
   PetscReal *x;
@@ -106,7 +107,7 @@ PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *g
   PetscCall(PetscMalloc1(local, &index));
   PetscCall(MpmParticlesGetField(particles, "position", &x));
   for (PetscInt p = 0; p < local; p++) {
-    PetscBool out = PETSC_FALSE;
+    PetscBool out = bed ? MpmBedIsMissing(bed, &x[p * grid->dim]) : PETSC_FALSE;
 
     for (PetscInt a = 0; a < grid->dim; a++) {
       const PetscReal at = x[p * grid->dim + a];

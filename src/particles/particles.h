@@ -66,12 +66,12 @@ PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid);
 /* Takes the points with ids in [first, end) out; `parked` keeps them on this rank, NULL: they are gone. */
 PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked);
 /*
-  Points outside of the grid: `here` of this rank, at the places `outside`, in ascending order, to be freed; `count`
-  over all ranks. The second function removes points, on all ranks: from the last of these places on, the last of all
-  points takes a removed one's place. The arrays are not lent.
+  Points outside of the grid, or where the bed, NULL where there is none, has no data: `here` of this rank, at the
+  places `outside`, in ascending order, to be freed; `count` over all ranks. The second function removes points, on all
+  ranks: from the last of these places on, the last of all points takes a removed one's place. The arrays are not lent.
 */
-PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *grid, PetscInt *here, PetscInt **outside,
-                                       PetscInt *count);
+PetscErrorCode MpmParticlesFindOutside(MpmParticles *particles, const MpmGrid *grid, const MpmBed *bed, PetscInt *here,
+                                       PetscInt **outside, PetscInt *count);
 PetscErrorCode MpmParticlesRemoveAt(MpmParticles *particles, PetscInt count, const PetscInt place[]);
 /* All points of this rank, copied; the second function replaces the present ones by the copies, which stay. */
 PetscErrorCode MpmParticlesKeep(MpmParticles *particles, MpmParked *kept);

@@ -184,8 +184,7 @@ static PetscErrorCode Check(const MpmOptions *block, const MpmBed *bed, MpmRelea
 
   PetscFunctionBeginUser;
   MpmCheckInput(!PetscIsNanReal(release->exact), "-%soutline: lies over pixels without data", block->prefix);
-  while (bed->outflow && !dry && MpmReleaseNext(release, &cursor, &point))
-    dry = PetscIsNanReal(MpmBedHeight(bed, point.x));
+  while (bed->missing && !dry && MpmReleaseNext(release, &cursor, &point)) dry = MpmBedIsMissing(bed, point.x);
   wrong[0] = dry;
   wrong[1] = release->overlap;
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, wrong, 2, MPI_INT, MPI_MAX, release->grid->comm));

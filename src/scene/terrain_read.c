@@ -30,6 +30,7 @@ PetscErrorCode MpmTerrainRead(MpmModel model, const MpmOptions *options)
   PetscCall(PetscNew(&model->disc.context.bed));
   model->disc.context.bed->bed = bed;
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (bed->outflow) model->disc.grid->outflow = PETSC_TRUE;
   if (options->record && bed->map.value)
     MpmRecordSetPlane(options->record, &(MpmPlane){bed->project, bed->map.system, {0., 0.}});
   MpmCheckInput(scene->deformation.kinematics == MPM_PLANE_STRAIN,

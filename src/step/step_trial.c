@@ -3,6 +3,7 @@
 */
 #include "point/layout.h"
 #include "grid/grid.h"
+#include "maps/bed.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/space.h"
@@ -150,6 +151,16 @@ static PetscBool MayLeave(const MpmModel model)
   return (PetscBool)(model->disc.grid->outflow && MpmModelMotion(model)->type != MPM_QUASISTATIC);
 }
 
+/* The first point where the bed has no data; -1: there is none. */
+static PetscInt FindDry(const MpmModel model)
+{
+  const MpmBed *bed = model->scene.deformation.bed;
+
+  for (PetscInt p = 0; bed && bed->missing && p < model->disc.points->count; p++)
+    if (MpmBedIsMissing(bed, &model->disc.points->x[p * model->disc.dim])) return p;
+  return -1;
+}
+
 PetscErrorCode MpmStepFindLost(MpmModel model, MpmOutcome *outcome)
 {
   const PetscBool follows        = (PetscBool)(model->scene.follow.what != MPM_FOLLOW_NOTHING);
@@ -168,6 +179,14 @@ PetscErrorCode MpmStepFindLost(MpmModel model, MpmOutcome *outcome)
                              model->disc.dim > 2 ? "point %" PetscInt_FMT " left the grid at (%g, %g, %g)"
                                                  : "point %" PetscInt_FMT " left the grid at (%g, %g)",
                              model->disc.points->id[point], (double)x[0], (double)x[1], (double)x[2]));
+  }
+  point = FindDry(model);
+  if (point >= 0) {
+    rank = model->rank;
+    PetscCall(MpmOutcomeFail(outcome, MPM_OUTCOME_OUTSIDE,
+                             "point %" PetscInt_FMT " is at (%.10g, %.10g), where the terrain has no data",
+                             model->disc.points->id[point], (double)model->disc.points->x[2 * point],
+                             (double)model->disc.points->x[2 * point + 1]));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &rank, 1, MPI_INT, MPI_MIN, model->comm));
   if (rank == model->size) PetscFunctionReturn(PETSC_SUCCESS);
@@ -237,7 +256,8 @@ PetscErrorCode MpmStepRemoveGone(MpmModel model)
 
   PetscFunctionBeginUser;
   if (!MayLeave(model)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesFindOutside(model->state.particles, model->disc.grid, &here, &outside, &gone));
+  PetscCall(MpmParticlesFindOutside(model->state.particles, model->disc.grid, model->scene.deformation.bed, &here,
+                                    &outside, &gone));
   if (gone) {
     PetscCall(MpmEnergyMark(model));
     PetscCall(MpmParticlesRemoveAt(model->state.particles, here, outside));

@@ -141,7 +141,9 @@ def ascii_maps(maps, test):
     test.near("smooth.flat", float(abs(maps.points("flat.asc", mpm_terrain_smooth=2.5)["bed"] - 7).max()), 0, absolute=1e-12)
     maps.refuse("beyond", "covers", "dem.asc", 'lower: "512300,5212350", upper: "512550,5212500", cell: 5')
     z[20, 20] = -9999
-    maps.refuse("hole", "has no data at", maps.ascii("hole.asc", z))
+    z[18:22, 12:16] = -9999
+    (maps.folder / "all.geojson").write_text('{"type": "Polygon", "coordinates": [[[512370,5212370],[512500,5212370],[512500,5212460],[512370,5212460]]]}')
+    maps.refuse("hole", "material lies where the terrain has no data", maps.ascii("hole.asc", z), body="region: raster, outline: all.geojson, depth: 1")
     maps.refuse("band", "one band", "dem.asc", mpm_terrain_band=2)
     maps.refuse("short", "numbers in place of", maps.ascii("short.asc", z, nrows=41))
     maps.refuse("missing", "cannot be read", "nowhere.tif")
