@@ -6,7 +6,7 @@
 */
 #include "geometry/geometry.h"
 #include "particles/body.h"
-#include "particles/outer_faces.h"
+#include "facets/outer_faces.h"
 #include "particles/points.h"
 #include "grid/grid.h"
 #include "facets/facets.h"

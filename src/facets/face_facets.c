@@ -7,7 +7,7 @@
 */
 #include "geometry/geometry.h"
 #include "grid/grid.h"
-#include "particles/outer_faces.h"
+#include "facets/outer_faces.h"
 #include "particles/points.h"
 #include "facets/facets.h"
 

@@ -25,7 +25,7 @@
 */
 #include "geometry/geometry.h"
 #include "particles/body.h"
-#include "particles/outer_faces.h"
+#include "facets/outer_faces.h"
 #include "particles/points.h"
 #include "space/sum.h"
 #include "transfer/motion.h"

@@ -5,7 +5,7 @@
 #include "geometry/geometry.h"
 #include "point/layout.h"
 #include "particles/body.h"
-#include "particles/outer_faces.h"
+#include "facets/outer_faces.h"
 #include "rigid/rigid.h"
 #include "loads/body_surface.h"
 

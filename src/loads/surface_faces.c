@@ -8,7 +8,7 @@
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "grid/shape.h"
-#include "particles/outer_faces.h"
+#include "facets/outer_faces.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/rules.h"

@@ -15,7 +15,7 @@
 #include "point/material.h"
 #include "grid/grid.h"
 #include "particles/body.h"
-#include "particles/outer_faces.h"
+#include "facets/outer_faces.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/rules.h"

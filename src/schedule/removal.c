@@ -19,7 +19,7 @@
 */
 #include "geometry/geometry.h"
 #include "particles/body.h"
-#include "particles/outer_faces.h"
+#include "facets/outer_faces.h"
 #include "particles/particles.h"
 #include "loads/load.h"
 #include "query/model.h"

@@ -18,7 +18,7 @@
 #include "geometry/geometry.h"
 #include "grid/shape.h"
 #include "particles/body.h"
-#include "particles/outer_faces.h"
+#include "facets/outer_faces.h"
 #include "particles/particles.h"
 #include "space/walls.h"
 #include "bc/bc.h"

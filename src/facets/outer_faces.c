@@ -9,7 +9,7 @@
 */
 #include "base/outcome.h"
 #include "grid/grid.h"
-#include "particles/outer_faces.h"
+#include "facets/outer_faces.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 
