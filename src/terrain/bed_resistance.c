@@ -48,19 +48,29 @@ static PetscReal Resistance(const Node *node, PetscReal speed)
   return force;
 }
 
-/* The root between 0 and a speed, by regula falsi with halved ends (Illinois). */
+/* The root where the resistance is F(0) and a part that goes with the speed squared: all of it, of most laws. */
+static PetscReal Guess(PetscReal mass, PetscReal kick, PetscReal speed, PetscReal at_rest, PetscReal at_speed)
+{
+  const PetscReal square = kick * (at_speed - at_rest) / (speed * speed), rest = mass * speed - kick * at_rest;
+  const PetscReal root = mass * mass + 4. * square * rest;
+
+  return root > 0. ? PetscClipInterval(2. * rest / (mass + PetscSqrtReal(root)), 0., speed) : 0.5 * speed;
+}
+
+/* The root between 0 and a speed: that guess, and regula falsi with halved ends (Illinois) where it is none. */
 static PetscReal Solve(const Node *node, PetscReal mass, PetscReal kick, PetscReal speed)
 {
-  PetscReal lower = 0., upper = speed, below = kick * Resistance(node, 0.) - mass * speed;
-  PetscReal above = kick * Resistance(node, speed);
-  int       side  = 0;
+  const PetscReal at_rest = Resistance(node, 0.), at_speed = Resistance(node, speed), zero = 4. * PETSC_MACHINE_EPSILON;
+  PetscReal       lower = 0., upper = speed, below = kick * at_rest - mass * speed, above = kick * at_speed;
+  int             side = 0;
 
   if (!(below < 0.)) return 0.;
-  for (PetscInt k = 0; k < MOST && above > 0. && upper - lower > 4. * PETSC_MACHINE_EPSILON * upper; k++) {
-    const PetscReal middle = (lower * above - upper * below) / (above - below);
-    const PetscReal value  = mass * (middle - speed) + kick * Resistance(node, middle);
+  for (PetscInt k = 0; k < MOST && above > 0. && upper - lower > zero * upper; k++) {
+    const PetscReal middle =
+      k ? (lower * above - upper * below) / (above - below) : Guess(mass, kick, speed, at_rest, at_speed);
+    const PetscReal value = mass * (middle - speed) + kick * Resistance(node, middle);
 
-    if (value == 0.) return middle;
+    if (PetscAbsReal(value) <= zero * mass * speed) return middle;
     if (value > 0.) {
       upper = middle;
       above = value;
