@@ -16,6 +16,9 @@
 #define MpmTaoMonitorSet TaoMonitorSet
 #endif
 
+#define HISTORY 30 /* steps that are kept: few against runs in time and memory */
+#define LEAST   5  /* PETSc's default */
+
 typedef struct {
   MpmInverse   *inverse;
   MpmEvaluation at, *best, *now; /* the last run, that of the last iteration, and the one asked for */
@@ -153,6 +156,22 @@ static PetscErrorCode SetBounds(const Search *search, Tao tao, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Options of the caller; without one the history is longer than PETSc's, which has no other way to set it. */
+static PetscErrorCode Configure(Tao tao, PetscInt count)
+{
+  static const char name[] = "-inverse_tao_blmvm_mat_lmvm_hist_size";
+  char              text[MPM_NUMBER_TEXT];
+  PetscBool         given;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscOptionsHasName(NULL, NULL, name, &given));
+  PetscCall(PetscSNPrintf(text, sizeof(text), "%" PetscInt_FMT, PetscClipInterval(count, LEAST, HISTORY)));
+  if (!given) PetscCall(PetscOptionsSetValue(NULL, name, text));
+  PetscCall(TaoSetFromOptions(tao));
+  if (!given) PetscCall(PetscOptionsClearValue(NULL, name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Solve(Search *search)
 {
   const MpmInverse  *inverse = search->inverse;
@@ -174,7 +193,7 @@ static PetscErrorCode Solve(Search *search)
   PetscCall(MpmTaoMonitorSet(tao, Monitor, search, NULL));
   PetscCall(TaoSetTolerances(tao, 0., 0., inverse->settings->tolerance));
   PetscCall(TaoSetMaximumIterations(tao, inverse->settings->iterations - search->first));
-  PetscCall(TaoSetFromOptions(tao));
+  PetscCall(Configure(tao, inverse->problem.count));
   PetscCall(TaoSolve(tao));
   PetscCall(TaoGetConvergedReason(tao, &why));
   search->inverse->converged = (PetscBool)(!inverse->interrupted && why > 0);

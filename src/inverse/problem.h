@@ -3,7 +3,7 @@
   The problem of an inverse analysis: parameters, and runs of the scene with any of their values.
 */
 #include "sensitivity/measurement.h"
-#include "inverse/penalty.h"
+#include "sensitivity/penalty.h"
 #include "query/parameter_range.h"
 #include "talus/talus.h"
 

@@ -1,7 +1,7 @@
 /*
   Values and derivatives of regularizations.
 */
-#include "inverse/penalty.h"
+#include "sensitivity/penalty.h"
 #include <petscblaslapack.h>
 
 /* ---- neighbours ---- */
