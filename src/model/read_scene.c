@@ -467,6 +467,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(MpmTerrainRead(model, options));
   PetscCall(CheckLattices(model->disc.grid, model->disc.layout));
   PetscCall(ReadMaterialsAndBodies(model, options));
+  PetscCall(MpmTerrainReadParameters(model, options));
   PetscCall(ReadConditions(model, options));
   PetscCall(MpmMovingGridRead(model, options));
   PetscCall(MpmStagesRead(model, options));

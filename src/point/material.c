@@ -4,6 +4,7 @@
 #include "options/options.h"
 #include "ground/ground.h"
 #include "point/basal_laws.h"
+#include "point/basal_map.h"
 #include "point/material.h"
 #include "point/variation.h"
 #include "point/wave_speed.h"
@@ -281,9 +282,12 @@ static PetscErrorCode ReadParameter(const MpmOptions *block, PetscInt dim, const
   MpmGround          *ground    = MpmGroundsFind(grounds, material->name, parameter.name);
   MpmVariation        variation = {0};
   PetscReal           least, most;
-  PetscBool           has;
+  PetscBool           has, mapped = PETSC_FALSE;
 
   PetscFunctionBeginUser;
+  if (MpmBasalFind(material->info.name) && k >= MPM_BASAL_OWN)
+    PetscCall(MpmBasalMapLeast(block, &parameter, &material->parameter[k], &mapped));
+  if (mapped) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsHas(block, parameter.name, &has));
   material->set[k] = (int)(has || ground);
   if (parameter.kind < MPM_WORD) PetscCall(MpmVariationRead(block, ground, &parameter, dim, &variation));

@@ -9,6 +9,7 @@
 #include "pairs/body_contact.h"
 #include "rigid/rigid.h"
 #include "terrain/bed_flow.h"
+#include "point/basal_map.h"
 #include "query/model.h"
 #include "scene/terrain_read.h"
 
@@ -36,6 +37,34 @@ PetscErrorCode MpmTerrainRead(MpmModel model, const MpmOptions *options)
   MpmCheckInput(scene->deformation.kinematics == MPM_PLANE_STRAIN,
                 "-mpm_physics %s: -mpm_dim must be 2, without axial symmetry: x and y are horizontal",
                 scene->physics.name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTerrainReadParameters(MpmModel model, const MpmOptions *options)
+{
+  const MpmMaterials *materials = model->scene.materials;
+  MpmBedFlow         *flow      = model->disc.context.bed;
+  MpmMap              map       = {0};
+  PetscBool           is;
+
+  PetscFunctionBeginUser;
+  if (!model->scene.deformation.bed || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt m = 0; m < materials->count; m++) {
+    const MpmLawInfo *law = &materials->at[m].info;
+    char              prefix[256];
+
+    PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_material_%s_", materials->names[m]));
+    for (PetscInt k = MPM_BASAL_OWN; k < (PetscInt)law->parameter_count; k++) {
+      PetscCall(MpmBasalMapRead(&(MpmOptions){options->comm, prefix, options->record}, &law->parameters[k], &map, &is));
+      if (!is) continue;
+      PetscCheck(law->parameter_count <= MPM_BED_PARAMETERS, options->comm, PETSC_ERR_PLIB, "%s has %zu parameters",
+                 law->name, law->parameter_count);
+      PetscCall(PetscRealloc(sizeof(*flow->parameter) * (size_t)(flow->mapped + 1), &flow->parameter));
+      flow->parameter[flow->mapped++] = (MpmBedParameter){m, k, map};
+      map                             = (MpmMap){0};
+    }
+  }
+  if (flow->mapped) PetscCall(PetscCalloc1(materials->count * MPM_BED_PARAMETERS, &flow->own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -24,6 +24,7 @@
 */
 #include "assembly/terms.h"
 #include "maps/bed.h"
+#include "point/material.h"
 
 /* A point and the bed beneath it: m2, m, m, -. */
 typedef struct {
@@ -51,18 +52,33 @@ enum { MPM_LEVEL, MPM_LEVEL_BED, MPM_LEVEL_PART, MPM_LEVEL_WET, MPM_LEVEL_TILT, 
 /* Squares of the slopes of the mean surface and of the bed at the points, sums by volume. */
 enum { MPM_STEEP_SURFACE, MPM_STEEP_BED, MPM_STEEP_COUNT };
 
+/* A parameter of a material's law of the bed that a map has. */
+typedef struct {
+  PetscInt material, place;
+  MpmMap   map;
+} MpmBedParameter;
+
 /* Data of the term for a step. */
+#define MPM_BED_PARAMETERS 16 /* most of a law */
 struct MpmBedFlow {
-  const MpmBed *bed;
-  PetscInt      materials;
-  PetscInt      point_room, node_room;
-  MpmOnBed     *point;
-  PetscReal    *height; /* of the bed at the local nodes, m */
-  PetscReal    *sums, *shares, *level, *steep, *failed, *force;
+  const MpmBed    *bed;
+  PetscInt         materials;
+  PetscInt         point_room, node_room;
+  MpmOnBed        *point;
+  PetscReal       *height; /* of the bed at the local nodes, m */
+  PetscReal       *sums, *shares, *level, *steep, *failed, *force;
+  PetscInt         mapped; /* parameters by map */
+  MpmBedParameter *parameter;
+  PetscReal       *own; /* [material*MPM_BED_PARAMETERS + place] at a node; NULL: none is by map */
 };
 
 extern const MpmTerm MpmTermBed;
 PetscErrorCode       MpmBedFlowDestroy(MpmBedFlow **flow);
+/* Parameters of a material's law at the node that they were last found for. */
+static inline const double *MpmBedParameters(const MpmBedFlow *flow, const MpmMaterial materials[], PetscInt material)
+{
+  return flow->own ? &flow->own[material * MPM_BED_PARAMETERS] : materials[material].parameter;
+}
 /* cos^2 of a slope. */
 static inline PetscReal MpmBedCosine2(const MpmBed *bed, const PetscReal slope[])
 {

@@ -26,6 +26,9 @@ PetscErrorCode MpmBedFlowDestroy(MpmBedFlow **flow)
   PetscFunctionBeginUser;
   if (!*flow) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*flow)->point));
+  for (PetscInt k = 0; k < (*flow)->mapped; k++) PetscCall(MpmMapDestroy(&(*flow)->parameter[k].map));
+  PetscCall(PetscFree((*flow)->parameter));
+  PetscCall(PetscFree((*flow)->own));
   PetscCall(PetscFree7((*flow)->height, (*flow)->sums, (*flow)->shares, (*flow)->level, (*flow)->steep, (*flow)->failed,
                        (*flow)->force));
   PetscCall(PetscFree(*flow));

@@ -10,6 +10,7 @@
 */
 #include "talus/point/basal.h"
 #include "point/material.h"
+#include "grid/grid.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "terrain/bed_flow.h"
@@ -31,9 +32,10 @@ static PetscReal Resistance(const Node *node, PetscReal speed)
   PetscReal      force     = 0.;
 
   for (PetscInt k = 0; k < materials; k++) {
-    const MpmMaterial *material = &node->sum->materials[k];
-    const PetscReal   *share    = &node->flow->shares[(node->node * materials + k) * MPM_BED_SHARES];
-    const PetscReal    density = material->parameter[MPM_BASAL_DENSITY], g = material->parameter[MPM_BASAL_GRAVITY];
+    const MpmMaterial *material  = &node->sum->materials[k];
+    const PetscReal   *share     = &node->flow->shares[(node->node * materials + k) * MPM_BED_SHARES];
+    const double      *parameter = MpmBedParameters(node->flow, node->sum->materials, k);
+    const PetscReal    density = parameter[MPM_BASAL_DENSITY], g = parameter[MPM_BASAL_GRAVITY];
     PetscReal          depth;
     MpmBasalPoint      point;
 
@@ -42,8 +44,7 @@ static PetscReal Resistance(const Node *node, PetscReal speed)
     point = (MpmBasalPoint){.depth    = depth * PetscSqrtReal(node->cosine2),
                             .pressure = density * g * depth * node->cosine2,
                             .speed    = node->along * speed};
-    force +=
-      share[MPM_BED_SHARE] * node->part * material->basal->resistance(material->parameter, &point) / (density * depth);
+    force += share[MPM_BED_SHARE] * node->part * material->basal->resistance(parameter, &point) / (density * depth);
   }
   return force;
 }
@@ -86,6 +87,20 @@ static PetscReal Solve(const Node *node, PetscReal mass, PetscReal kick, PetscRe
   return above > 0. ? 0.5 * (lower + upper) : upper;
 }
 
+/* Parameters of all materials at a node. */
+static void TakeParameters(const MpmSum *sum, PetscInt node, MpmBedFlow *flow)
+{
+  PetscReal x[MPM_MAX_DIM];
+
+  MpmGridNodeAtStart(sum->grid, &sum->space->node[node * 2], x);
+  for (PetscInt k = 0; k < flow->materials; k++)
+    for (size_t i = 0; i < sum->materials[k].info.parameter_count; i++)
+      flow->own[k * MPM_BED_PARAMETERS + (PetscInt)i] = sum->materials[k].parameter[i];
+  for (PetscInt k = 0; k < flow->mapped; k++)
+    flow->own[flow->parameter[k].material * MPM_BED_PARAMETERS + flow->parameter[k].place] =
+      MpmMapAt(&flow->parameter[k].map, x);
+}
+
 PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal kick, PetscReal velocity[])
 {
   MpmBedFlow *flow = ctx;
@@ -104,6 +119,7 @@ PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[]
       node.along   = PetscSqrtReal(1. + along * along);
       node.part    = 1. / (PetscSqrtReal(node.cosine2) * node.along);
     }
+    if (flow->own) TakeParameters(sum, i, flow);
     to = Solve(&node, mass[i], kick, speed);
     for (PetscInt a = 0; a < 2; a++) v[a] = to == 0. ? 0. : v[a] * to / speed;
   }

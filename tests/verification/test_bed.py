@@ -130,6 +130,25 @@ with Test() as test:
     test.check("hole.inside", float(ends[0]["position"][:, 0].max()), 60, 117)
     test.check("hole.ranks", float(abs(ends[0]["position"] - ends[1]["position"]).max()), 0, 1e-9)
 
+    # friction by a map: an even one as the number, on a halved one each half as its own number; ranks agree
+    write_map(bed.folder / "even.asc", np.full(slope.shape, 0.05))
+    write_map(bed.folder / "halves.asc", np.where(y < 50, 0.02, 0.3))
+    box = {"lower": "60,30", "upper": "80,70", "end": 4.0}
+    numbers = {mu: bed.run(mpm_material_water_mu=mu, **box).results.state("last")["position"] for mu in (0.02, 0.05, 0.3)}
+    even = bed.run(mpm_material_water_mu=bed.folder / "even.asc", **box).results.state("last")["position"]
+    test.check("friction.even", float(abs(even - numbers[0.05]).max()), 0, 1e-11)
+    halves = [bed.run(mpm_material_water_mu=bed.folder / "halves.asc", ranks=ranks, **box).results.state("last")["position"] for ranks in (1, 3)]
+    test.check("friction.ranks", float(abs(halves[0] - halves[1]).max()), 0, 1e-9)
+    for side, mu in ((-1, 0.02), (1, 0.3)):
+        far = side * (numbers[mu][:, 1] - 50) > 12
+        moved = [float(np.mean(p[far, 0])) - 70 for p in (halves[0], numbers[0.02], numbers[0.3])]
+        test.check(f"friction.{mu}", abs(moved[0] - moved[1 if mu == 0.02 else 2]) / abs(moved[1] - moved[2]), 0, 0.1)
+    write_map(bed.folder / "wrong.asc", np.full(slope.shape, -0.5))
+    run = bed.run(mpm_material_water_mu=bed.folder / "wrong.asc", status=2)
+    test.check("friction.line", "has -0.5, must" in run.errors and run.errors.count("\n") == 1, 1, 1)
+    if "has -0.5, must" not in run.errors:
+        print(run.errors)
+
     for label, words, terrain, blocks in (
             ("file", "cannot be read", ", raise: dam", "  raise_dam: {file: nowhere.geojson, height: 8}\n"),
             ("both", "the height is given, too", ", raise: dam", "  raise_dam: {file: dam.geojson, height: 8, level: 9}\n"),
