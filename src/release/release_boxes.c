@@ -307,6 +307,7 @@ PetscErrorCode MpmReleaseSort(MpmRelease release)
   const MpmReleaseLattice *lattice = &release->lattice;
   const PetscMPIInt        rank = release->grid->rank, size = release->grid->size;
   PetscInt64               cursor = 0;
+  PetscReal                beyond = 0.; /* rounding of the sum */
   MpmReleasePoint          point;
   Row                      row = {.mark = NULL};
 
@@ -327,7 +328,12 @@ PetscErrorCode MpmReleaseSort(MpmRelease release)
   for (PetscInt k = 0; k < 2; k++) PetscCall(MpmRingsDestroy(&row.spare[k]));
   release->count = 0;
   release->sum   = 0.;
-  for (; MpmReleaseNext(release, &cursor, &point); release->count++) release->sum += point.volume;
+  for (; MpmReleaseNext(release, &cursor, &point); release->count++) { /* Kahan (1965), doi:10.1145/363707.363723 */
+    const PetscReal volume = point.volume - beyond, sum = release->sum + volume;
+
+    beyond       = (sum - release->sum) - volume;
+    release->sum = sum;
+  }
   PetscCall(MPIU_Allreduce(&release->count, &release->total, 1, MPIU_INT64, MPI_SUM, release->grid->comm));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &release->sum, 1, MPIU_REAL, MPIU_SUM, release->grid->comm));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -58,7 +58,7 @@ static PetscReal Guess(PetscReal mass, PetscReal kick, PetscReal speed, PetscRea
   return root > 0. ? PetscClipInterval(2. * rest / (mass + PetscSqrtReal(root)), 0., speed) : 0.5 * speed;
 }
 
-/* The root between 0 and a speed: that guess, and regula falsi with halved ends (Illinois) where it is none. */
+/* The root between 0 and a speed: that estimate, and regula falsi with halved ends (Illinois) where it is none. */
 static PetscReal Solve(const Node *node, PetscReal mass, PetscReal kick, PetscReal speed)
 {
   const PetscReal at_rest = Resistance(node, 0.), at_speed = Resistance(node, speed), zero = 4. * PETSC_MACHINE_EPSILON;

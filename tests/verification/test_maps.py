@@ -216,6 +216,20 @@ def reference(epsg):
     return system
 
 
+def library(maps, test):
+    """The library is opened by the first map that needs it, and by nothing else."""
+    for label, file, body in (("plane", "dem.asc", BODY), ("map", "dem.tif", BODY)):
+        path = maps.scene(file, body=body)
+        for old in maps.folder.glob("ld.*"):
+            old.unlink()
+        talus_test.ENVIRONMENT.update(LD_DEBUG="files", LD_DEBUG_OUTPUT=str(maps.folder / "ld"))
+        talus_test.must(test, f"library.{label}", [test.program, "-options_file", path], test.folder())
+        for name in ("LD_DEBUG", "LD_DEBUG_OUTPUT"):
+            del talus_test.ENVIRONMENT[name]
+        said = "".join(old.read_text(errors="replace") for old in maps.folder.glob("ld.*"))
+        test.check(f"library.{label}.opened", int("libgdal" in said), *((1, 1) if label == "map" else (0, 0)))
+
+
 def project(maps, test):
     """A map in degrees, warped as GDAL does it."""
     data = gdal.GetDriverByName("GTiff").Create(str(maps.folder / "wgs.tif"), 60, 60, 1, gdal.GDT_Int16)
@@ -242,4 +256,5 @@ with Test() as test:
         formats(maps, test, first)
         large(maps, test)
         outlines(maps, test)
+        library(maps, test)
         project(maps, test)
