@@ -75,7 +75,7 @@ static void Observe(const MpmModel model, PetscReal dt, MpmGauge *gauge)
       gauge->now[2] = value[PRESSURE];
     }
     for (PetscInt c = 0; gauge->kind == MPM_GAUGE_OUTLINE && c < MPM_GAUGE_NUMBERS; c++)
-      gauge->kept[c] = PetscMax(gauge->kept[c], gauge->now[c]);
+      if (!c || value[DEPTH] > model->runout->peaks.least) gauge->kept[c] = PetscMax(gauge->kept[c], gauge->now[c]);
   }
   if (gauge->kind == MPM_GAUGE_LINE) {
     gauge->kept[0] += 0.5 * gauge->kept[1] * (gauge->kept[2] + gauge->now[0]); /* the step before, by both its ends */

@@ -56,10 +56,11 @@ static PetscBool AnyRests(const MpmModel model)
   return PETSC_FALSE;
 }
 
-static PetscBool AnyPath(const MpmGauges *gauges)
+/* True where a gauge needs the largest values or the least threshold. */
+static PetscBool NeedsPeaks(const MpmGauges *gauges)
 {
   for (PetscInt k = 0; k < gauges->count; k++)
-    if (gauges->at[k].kind == MPM_GAUGE_PATH) return PETSC_TRUE;
+    if (gauges->at[k].kind == MPM_GAUGE_PATH || gauges->at[k].kind == MPM_GAUGE_OUTLINE) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -102,7 +103,7 @@ PetscErrorCode MpmRunoutRead(MpmModel model, const MpmOptions *options)
     PetscCall(MpmRunoutDestroy(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (runout->maps || AnyPath(&runout->gauges)) PetscCall(MpmPeaksSetUp(model->disc.grid, &runout->peaks));
+  if (runout->maps || NeedsPeaks(&runout->gauges)) PetscCall(MpmPeaksSetUp(model->disc.grid, &runout->peaks));
   PetscCall(AddRows(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
