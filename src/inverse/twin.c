@@ -140,10 +140,8 @@ PetscErrorCode MpmTwinRun(MpmModel model, PetscInt k, double value, MpmTwin *twi
   for (size_t t = 0; t < PETSC_STATIC_ARRAY_LENGTH(tolerances); t++) PetscCall(Tighten(t, &kept[t]));
   PetscCall(MpmSceneParameterSet(parameter, value));
   PetscCall(Create(model, twin, &other, &made));
-  if (made) {
-    PetscCall(RunAlong(model, other, twin));
-    PetscCall(MpmModelDestroy(&other));
-  }
+  if (made) PetscCall(RunAlong(model, other, twin));
+  PetscCall(MpmModelDestroy(&other));
   PetscCall(MpmSceneParameterReset(parameter));
   for (size_t t = 0; t < PETSC_STATIC_ARRAY_LENGTH(tolerances); t++) PetscCall(Loosen(t, &kept[t]));
   PetscFunctionReturn(PETSC_SUCCESS);
