@@ -223,6 +223,8 @@ PetscErrorCode MpmGradientBegin(MpmModel model)
 {
   PetscFunctionBeginUser;
   if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(!model->results->checkpoint.restart,
+                "-mpm_restart: derivatives need all steps of a run, and there are none of those before the checkpoint");
   if (model->gradient->kind) PetscFunctionReturn((*model->gradient->kind->record)(model));
   model->gradient->start.rows    = 1;
   model->gradient->start.differs = MpmGradientStartDiffers(model);

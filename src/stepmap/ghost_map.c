@@ -19,6 +19,17 @@ static PetscBool IsModulus(const MpmStepMap *map, const MpmSceneParameter *param
   return (PetscBool)!strcmp(map->sum->materials[parameter->index].info.parameters[parameter->place].name, "E");
 }
 
+/* The part of a face's modulus that is a material's: the stiffer one's, or half of each where both are equal. */
+static PetscReal PartOf(const MpmMaterial *materials, const MpmFace *face, PetscInt material)
+{
+  const PetscReal E[]   = {materials[face->material[0]].moduli.penalty, materials[face->material[1]].moduli.penalty};
+  PetscReal       part = 0.;
+
+  for (int side = 0; side < 2; side++)
+    if (face->material[side] == material && E[side] >= E[1 - side]) part += E[side] > E[1 - side] ? 1. : 0.5;
+  return part;
+}
+
 /* Adds times dK/dE u at the local nodes, E that of a material. */
 static PetscErrorCode AddByModulus(const MpmStepMap *map, PetscInt material, PetscReal times, PetscReal force[])
 {
@@ -30,14 +41,11 @@ static PetscErrorCode AddByModulus(const MpmStepMap *map, PetscInt material, Pet
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((faces->count + 1), &space.boxes.faces.face));
   for (PetscInt f = 0; f < faces->count; f++) {
-    MpmFace       *face = &space.boxes.faces.face[f];
-    const PetscInt side =
-      materials[faces->face[f].material[0]].moduli.penalty >= materials[faces->face[f].material[1]].moduli.penalty ? 0
-                                                                                                                   : 1;
+    MpmFace *face = &space.boxes.faces.face[f];
 
     *face       = faces->face[f];
     face->gamma = 0.;
-    face->stiffness *= face->material[side] == material ? times / materials[material].moduli.penalty : 0.;
+    face->stiffness *= times / materials[material].moduli.penalty * PartOf(materials, face, material);
   }
   sum.space = &space;
   PetscCall(MpmTermGhost.apply(NULL, &sum, NULL, map->u, force));
