@@ -22,14 +22,14 @@ typedef struct MpmColumns {
   along  changes of the values with the points' state at the step's end, and with the balance at the owned nodes
          (residuals, of `block` components)
   pull   adds to `end` the derivative of the sum of weight[k] times value k by that state, and subtracts from lam that
-  by
-         the residuals
+         by the residuals
 */
 struct MpmColumnMap {
   PetscErrorCode (*along)(MpmModel model, const MpmColumn *column, const MpmPointVector *end,
                           const PetscReal residual[], PetscReal values[]);
   PetscErrorCode (*pull)(MpmModel model, const MpmColumn *column, const PetscReal weight[], MpmPointVector *end,
                          PetscReal lam[]);
+  PetscBool balance; /* values depend on the residuals */
 };
 
 /* Derivatives of the row that has been added last. */

@@ -132,7 +132,7 @@ static PetscErrorCode StatePull(MpmModel model, const MpmColumn *column, const P
 
 /* ---- the columns ---- */
 
-static const MpmColumnMap by_state = {StateAlong, StatePull};
+static const MpmColumnMap by_state = {StateAlong, StatePull, PETSC_FALSE};
 
 PetscErrorCode MpmLaboratoryTestAddColumns(const MpmLawInfo *info, PetscInt dim, MpmLaboratoryTest *test,
                                            MpmColumns *columns)

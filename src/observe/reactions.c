@@ -68,7 +68,7 @@ static PetscErrorCode ConditionPull(MpmModel model, const MpmColumn *column, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const MpmColumnMap condition_map = {ConditionAlong, ConditionPull};
+static const MpmColumnMap condition_map = {ConditionAlong, ConditionPull, PETSC_TRUE};
 
 /* By component, and along the normal of an inclined one. */
 static PetscErrorCode AddCondition(MpmModel model, PetscInt b, MpmColumns *columns)

@@ -205,7 +205,7 @@ static PetscErrorCode TrackPull(MpmModel model, const MpmColumn *column, const P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const MpmColumnMap track_map = {TrackAlong, TrackPull};
+static const MpmColumnMap track_map = {TrackAlong, TrackPull, PETSC_FALSE};
 
 PetscErrorCode MpmTracksAddColumns(MpmModel model, MpmColumns *columns)
 {

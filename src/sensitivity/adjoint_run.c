@@ -34,12 +34,13 @@ static PetscErrorCode PullObjectives(MpmModel model, PetscInt n, MpmPointVector 
 }
 
 /* One step: `vector`, the derivative by its end, becomes that by its start. */
-static PetscErrorCode StepPull(MpmModel model, PetscInt n, const MpmStepMap *map, MpmPointVector *vector,
+static PetscErrorCode StepPull(MpmModel model, PetscInt n, const MpmReplayedStep *step, MpmPointVector *vector,
                                PetscReal values[])
 {
-  const PetscInt count = model->disc.space->local * model->disc.block;
-  MpmPointVector start = {0}, end = {0};
-  PetscReal     *lam, *ubar, *solved;
+  const MpmStepMap *map   = &step->map;
+  const PetscInt    count = model->disc.space->local * model->disc.block;
+  MpmPointVector    start = {0}, end = {0};
+  PetscReal        *lam, *ubar, *solved;
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc3((count + 1), &lam, (count + 1), &ubar, (count + 1), &solved));
@@ -50,7 +51,7 @@ static PetscErrorCode StepPull(MpmModel model, PetscInt n, const MpmStepMap *map
   PetscCall(PullObjectives(model, n, &end, lam));
   PetscCall(MpmPointsPullSolution(map, &end, lam, ubar));
   PetscCall(MpmGhostPullSolution(map, lam, ubar));
-  PetscCall(MpmReplayedSolve(model, PETSC_TRUE, ubar, solved));
+  PetscCall(MpmReplayedSolve(model, step, PETSC_TRUE, ubar, solved));
   for (PetscInt k = 0; k < count; k++) lam[k] += solved[k];
   PetscCall(MpmPointsPullStart(map, &end, lam, &start, values));
   PetscCall(MpmLoadsPullStart(map, lam, &start, values));
@@ -74,11 +75,10 @@ PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[])
   for (PetscInt n = gradient->tape.count - 1; n >= 0; n--) {
     MpmReplayedStep step;
 
-    PetscCall(MpmTapeReplay(model, &gradient->tape, n));
+    PetscCall(MpmTapeReplay(model, &gradient->tape, n, PETSC_FALSE));
     PetscCall(MpmReplayedStepCreate(model, n, &step));
     PetscCall(MpmPointTableCreate(&step.map, &step.map.table));
-    PetscCall(MpmReplayedSolveSetUp(model));
-    PetscCall(StepPull(model, n, &step.map, &vector, values));
+    PetscCall(StepPull(model, n, &step, &vector, values));
     PetscCall(MpmPointTableDestroy(&step.map.table));
     PetscCall(MpmReplayedStepDestroy(&step));
     if (!gradient->checks) PetscCall(MpmTapeDone(&gradient->tape, n));

@@ -27,6 +27,28 @@ MpmStepConstants MpmGradientConstants(const MpmModel model)
   return (MpmStepConstants){AnyResets(model), MpmGradientStartDiffers(model)};
 }
 
+/* A Krylov method of its own around the solver's preconditioner. */
+static PetscErrorCode CreateSolver(MpmModel model, KSP *ksp)
+{
+  KSP own;
+  PC  pc;
+  Mat J, P;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmSolverLinearise(&model->solver, model->solver.x, &J, &own));
+  PetscCall(KSPGetOperators(own, &J, &P));
+  PetscCall(KSPGetPC(own, &pc));
+  PetscCall(KSPCreate(model->comm, ksp));
+  PetscCall(KSPSetOptionsPrefix(*ksp, "gradient_"));
+  PetscCall(KSPSetPC(*ksp, pc));
+  PetscCall(KSPSetOperators(*ksp, J, P));
+  PetscCall(KSPSetType(*ksp, KSPGMRES));
+  PetscCall(KSPGMRESSetRestart(*ksp, 100));
+  PetscCall(KSPSetTolerances(*ksp, RTOL, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
+  PetscCall(KSPSetFromOptions(*ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep *step)
 {
   const MpmDiscretization *disc  = &model->disc;
@@ -36,6 +58,9 @@ PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&rules));
   *rules = MpmStepRules(model, model->gradient->tape.step[n].time);
+  PetscCall(CreateSolver(model, &step->ksp)); /* gathers the solution at the nodes, too */
+  PetscCall(VecDuplicate(model->solver.x, &step->right));
+  PetscCall(VecDuplicate(model->solver.x, &step->solution));
   PetscCall(PetscMalloc2((count + 1), &step->u, (loads + 1), &step->factors));
   PetscCall(PetscArraycpy(step->u, disc->nodal.u, count));
   for (PetscInt l = 0; l < loads; l++) step->factors[l] = MpmStepLoadFactor(model, l, rules->time.end);
@@ -57,38 +82,9 @@ PetscErrorCode MpmReplayedStepDestroy(MpmReplayedStep *step)
   PetscFunctionBeginUser;
   PetscCall(PetscFree(step->map.rules));
   PetscCall(PetscFree2(step->u, step->factors));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmReplayedSolveSetUp(MpmModel model)
-{
-  Mat J;
-  KSP ksp;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmSolverLinearise(&model->solver, model->solver.x, &J, &ksp));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A Krylov method of its own around the solver's preconditioner. */
-static PetscErrorCode CreateSolver(MpmModel model, KSP *ksp)
-{
-  KSP own;
-  PC  pc;
-  Mat J, P;
-
-  PetscFunctionBeginUser;
-  PetscCall(SNESGetKSP(model->solver.snes, &own));
-  PetscCall(KSPGetOperators(own, &J, &P));
-  PetscCall(KSPGetPC(own, &pc));
-  PetscCall(KSPCreate(model->comm, ksp));
-  PetscCall(KSPSetOptionsPrefix(*ksp, "gradient_"));
-  PetscCall(KSPSetPC(*ksp, pc));
-  PetscCall(KSPSetOperators(*ksp, J, P));
-  PetscCall(KSPSetType(*ksp, KSPGMRES));
-  PetscCall(KSPGMRESSetRestart(*ksp, 100));
-  PetscCall(KSPSetTolerances(*ksp, RTOL, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
-  PetscCall(KSPSetFromOptions(*ksp));
+  PetscCall(KSPDestroy(&step->ksp));
+  PetscCall(VecDestroy(&step->right));
+  PetscCall(VecDestroy(&step->solution));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,26 +107,20 @@ static PetscErrorCode ToEquations(MpmModel model, PetscReal nodal[], Vec vec)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReplayedSolve(MpmModel model, PetscBool transposed, PetscReal b[], PetscReal y[])
+PetscErrorCode MpmReplayedSolve(MpmModel model, const MpmReplayedStep *step, PetscBool transposed, PetscReal b[],
+                                PetscReal y[])
 {
-  Vec                right, solution;
-  KSP                ksp;
   KSPConvergedReason reason;
 
   PetscFunctionBeginUser;
-  PetscCall(VecDuplicate(model->solver.x, &right));
-  PetscCall(VecDuplicate(model->solver.x, &solution));
-  PetscCall(CreateSolver(model, &ksp));
-  PetscCall(ToEquations(model, b, right));
-  if (transposed && !model->solver.definite.symmetric) PetscCall(KSPSolveTranspose(ksp, right, solution));
-  else PetscCall(KSPSolve(ksp, right, solution));
-  PetscCall(KSPGetConvergedReason(ksp, &reason));
+  PetscCall(ToEquations(model, b, step->right));
+  if (transposed && !model->solver.definite.symmetric)
+    PetscCall(KSPSolveTranspose(step->ksp, step->right, step->solution));
+  else PetscCall(KSPSolve(step->ksp, step->right, step->solution));
+  PetscCall(KSPGetConvergedReason(step->ksp, &reason));
   PetscCheck(reason > 0, model->comm, PETSC_ERR_NOT_CONVERGED, "a linear solve of the gradient did not converge: %s",
              KSPConvergedReasons[reason]);
-  PetscCall(MpmEvaluationNodes(&model->disc, solution, y));
-  PetscCall(KSPDestroy(&ksp));
-  PetscCall(VecDestroy(&right));
-  PetscCall(VecDestroy(&solution));
+  PetscCall(MpmEvaluationNodes(&model->disc, step->solution, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

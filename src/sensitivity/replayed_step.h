@@ -31,16 +31,18 @@ MpmStepConstants MpmGradientConstants(const MpmModel model);
 typedef struct {
   MpmStepMap map;
   PetscReal *u, *factors;
+  KSP        ksp; /* of solves with the Jacobian J at the step's solution */
+  Vec        right, solution;
 } MpmReplayedStep;
+/* The model stands at the solution of step n; J is made anew. */
 PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep *step);
 PetscErrorCode MpmReplayedStepDestroy(MpmReplayedStep *step);
 /*
-  J y = b, or J^T y = b, with the Jacobian J at the step's solution, made anew by SetUp. Arrays at the local nodes,
-  along the axes: b a rank's part, of which constrained unknowns do not count, y with ghosts and nodes that follow
-  others.
+  J y = b, or J^T y = b. Arrays at the local nodes, along the axes: b a rank's part, of which constrained unknowns do
+  not count, y with ghosts and nodes that follow others.
 */
-PetscErrorCode MpmReplayedSolveSetUp(MpmModel model);
-PetscErrorCode MpmReplayedSolve(MpmModel model, PetscBool transposed, PetscReal b[], PetscReal y[]);
+PetscErrorCode MpmReplayedSolve(MpmModel model, const MpmReplayedStep *step, PetscBool transposed, PetscReal b[],
+                                PetscReal y[]);
 /* Weight of objective o's column after step n. */
 static inline PetscReal MpmGradientWeight(const MpmGradient *gradient, PetscInt o, PetscInt n)
 {

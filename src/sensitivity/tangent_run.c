@@ -29,6 +29,16 @@ static PetscErrorCode FindSlopes(MpmModel model, const MpmPointVector *end, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* True where a column depends on the balance at the nodes, and not on the points' state alone. */
+static PetscBool AnyBalance(const MpmModel model)
+{
+  const MpmObjectives *objectives = &model->gradient->objectives;
+
+  for (PetscInt o = 0; o < objectives->count; o++)
+    if (model->results->columns.map[objectives->at[o].row]->balance) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Derivatives of the objectives' columns by a parameter, in the row of step n. */
 static PetscReal *Slopes(const MpmGradient *gradient, PetscInt n, PetscInt parameter)
 {
@@ -54,10 +64,12 @@ static PetscErrorCode Enter(MpmModel model, PetscInt n, PetscInt number, const M
 
 /* Up to MPM_PACK numbers in one step. */
 static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt many, const PetscInt which[],
-                                const MpmStepMap *map, MpmPointVector vectors[])
+                                const MpmReplayedStep *step, MpmPointVector vectors[])
 {
+  const MpmStepMap *map             = &step->map;
   MpmGradient      *gradient        = model->gradient;
   const PetscInt    count           = model->disc.space->local * model->disc.block;
+  const PetscBool   balance         = AnyBalance(model);
   MpmPointVector    start[MPM_PACK] = {{0}}, end[MPM_PACK] = {{0}};
   MpmStepDirection  of[MPM_PACK];
   PetscReal        *residual[MPM_PACK], *du[MPM_PACK], *room;
@@ -76,15 +88,16 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt many, const
     PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
     PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
     for (PetscInt i = 0; i < count; i++) residual[k][i] = -residual[k][i];
-    PetscCall(MpmReplayedSolve(model, PETSC_FALSE, residual[k], du[k]));
+    PetscCall(MpmReplayedSolve(model, step, PETSC_FALSE, residual[k], du[k]));
     PetscCall(PetscArrayzero(residual[k], count));
     of[k].du = du[k];
   }
   directions.end = end;
+  if (!balance) directions.residual = NULL;
   PetscCall(MpmPointsAlong(map, &directions));
   for (PetscInt k = 0; k < many; k++) {
-    PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
-    PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
+    if (balance) PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
+    if (balance) PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
     MpmPointVectorAddConstant(&start[k], &end[k]);
     PetscCall(FindSlopes(model, &end[k], residual[k], Slopes(gradient, n, which[k])));
     vectors[which[k]] = end[k];
@@ -95,7 +108,7 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt many, const
 }
 
 /* All parameters in step n that have derivatives in closed form. */
-static PetscErrorCode StepAlongAll(MpmModel model, PetscInt n, const MpmStepMap *map, MpmPointVector vectors[])
+static PetscErrorCode StepAlongAll(MpmModel model, PetscInt n, const MpmReplayedStep *step, MpmPointVector vectors[])
 {
   const PetscInt count = model->gradient->parameters.count + model->gradient->grounds.direction_count;
   PetscInt       which[MPM_PACK], many = 0;
@@ -105,10 +118,10 @@ static PetscErrorCode StepAlongAll(MpmModel model, PetscInt n, const MpmStepMap 
     if (!MpmGradientIsClosed(model->gradient, k)) continue;
     which[many++] = k;
     if (many < MPM_PACK) continue;
-    PetscCall(StepAlong(model, n, many, which, map, vectors));
+    PetscCall(StepAlong(model, n, many, which, step, vectors));
     many = 0;
   }
-  if (many) PetscCall(StepAlong(model, n, many, which, map, vectors));
+  if (many) PetscCall(StepAlong(model, n, many, which, step, vectors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,10 +141,9 @@ PetscErrorCode MpmTangentRun(MpmModel model, PetscReal values[])
   for (PetscInt n = 0; n < gradient->tape.count; n++) {
     MpmReplayedStep step;
 
-    PetscCall(MpmTapeReplay(model, &gradient->tape, n));
+    PetscCall(MpmTapeReplay(model, &gradient->tape, n, PETSC_TRUE));
     PetscCall(MpmReplayedStepCreate(model, n, &step));
-    PetscCall(MpmReplayedSolveSetUp(model));
-    PetscCall(StepAlongAll(model, n, &step.map, vectors));
+    PetscCall(StepAlongAll(model, n, &step, vectors));
     PetscCall(MpmReplayedStepDestroy(&step));
   }
   for (PetscInt k = 0; k < count; k++) PetscCall(MpmPointVectorDestroy(&vectors[k]));

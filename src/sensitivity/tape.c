@@ -76,8 +76,8 @@ static PetscErrorCode Remove(MpmModel model, PetscReal time, MpmOutcome *outcome
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The model, at a step's start, is brought to its solution. */
-static PetscErrorCode GoToSolution(MpmModel model, const MpmTape *tape, PetscInt n)
+/* The model, at a step's start, is brought to its solution; evaluated there, if the step is to be accepted. */
+static PetscErrorCode GoToSolution(MpmModel model, const MpmTape *tape, PetscInt n, PetscBool evaluate)
 {
   const MpmTapeStep *step = &tape->step[n];
   PetscScalar       *x;
@@ -94,7 +94,7 @@ static PetscErrorCode GoToSolution(MpmModel model, const MpmTape *tape, PetscInt
   PetscCall(VecGetArrayWrite(model->solver.x, &x));
   PetscCall(PetscArraycpy(x, step->x, step->count));
   PetscCall(VecRestoreArrayWrite(model->solver.x, &x));
-  PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
+  if (evaluate) PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,7 +122,7 @@ static PetscErrorCode GoToState(MpmModel model, MpmTape *tape, PetscInt n)
   while (at < n) {
     PetscCall(MpmTapeStoreNext(model, at, n, &tape->states, &next));
     for (; at < next; at++) {
-      PetscCall(GoToSolution(model, tape, at));
+      PetscCall(GoToSolution(model, tape, at, PETSC_TRUE));
       PetscCall(Accept(model, tape, at));
     }
     if (at < n) PetscCall(MpmTapeStoreKeep(model, at, &tape->states));
@@ -130,7 +130,7 @@ static PetscErrorCode GoToState(MpmModel model, MpmTape *tape, PetscInt n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTapeReplay(MpmModel model, MpmTape *tape, PetscInt n)
+PetscErrorCode MpmTapeReplay(MpmModel model, MpmTape *tape, PetscInt n, PetscBool forward)
 {
   PetscFunctionBeginUser;
   if (!tape->end.points) {
@@ -138,7 +138,7 @@ PetscErrorCode MpmTapeReplay(MpmModel model, MpmTape *tape, PetscInt n)
     PetscCall(MpmStateCopy(&model->state, &tape->end));
   }
   PetscCall(GoToState(model, tape, n));
-  PetscCall(GoToSolution(model, tape, n));
+  PetscCall(GoToSolution(model, tape, n, (PetscBool)(forward && MpmTapeStoreLast(&tape->states, n + 1) <= n)));
   tape->next = n + 1;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

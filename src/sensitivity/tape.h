@@ -33,11 +33,11 @@ PetscErrorCode MpmTapeRestart(MpmModel model, MpmTape *tape);
 /* True where step n is the first one, or the first of its stage. */
 PetscBool MpmTapeBeginsStage(const MpmTape *tape, PetscInt n);
 /*
-  The model stands at the solution of step n: space, loads and residual are those of its last evaluation. The state is
+  The model stands at the solution of step n, with its space and loads. Replays go forward, or backward. The state is
   kept for another replay. Done: the steps from n on are not replayed any more. Finish: the model returns to the run's
   end, and the tape is empty.
 */
-PetscErrorCode MpmTapeReplay(MpmModel model, MpmTape *tape, PetscInt n);
+PetscErrorCode MpmTapeReplay(MpmModel model, MpmTape *tape, PetscInt n, PetscBool forward);
 PetscErrorCode MpmTapeDone(MpmTape *tape, PetscInt n);
 PetscErrorCode MpmTapeFinish(MpmModel model, MpmTape *tape);
 PetscErrorCode MpmTapeDestroy(MpmTape *tape);

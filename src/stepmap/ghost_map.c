@@ -22,7 +22,7 @@ static PetscBool IsModulus(const MpmStepMap *map, const MpmSceneParameter *param
 /* The part of a face's modulus that is a material's: the stiffer one's, or half of each where both are equal. */
 static PetscReal PartOf(const MpmMaterial *materials, const MpmFace *face, PetscInt material)
 {
-  const PetscReal E[]   = {materials[face->material[0]].moduli.penalty, materials[face->material[1]].moduli.penalty};
+  const PetscReal E[]  = {materials[face->material[0]].moduli.penalty, materials[face->material[1]].moduli.penalty};
   PetscReal       part = 0.;
 
   for (int side = 0; side < 2; side++)

@@ -88,6 +88,7 @@ static PetscErrorCode TakeMean(Along *along, const MpmGroup *group, PetscInt s)
   PetscCall(PetscArraycpy(at.input, work->point.input, N));
   PetscCall(PetscArraycpy(at.dinput, work->dinput, N * MPM_PACK));
   TakeVolume(along, p, at.volume);
+  MpmAlongPlace(map, along->directions, p, work);
   MpmMeansEnter(&along->means, group, p, work->argument);
   MpmMeansAddFirst(&along->means, at.volume, at.m);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -155,7 +156,7 @@ static PetscErrorCode TakeMeans(Along *along)
 
 /* ---- all points ---- */
 
-/* Forces, and the step's end. */
+/* Forces and, without means, the step's end. */
 static PetscErrorCode AddForces(Along *along, const MpmGroup *group, PetscInt s)
 {
   const PetscInt p    = along->map->sum->space->order[s];
@@ -165,9 +166,11 @@ static PetscErrorCode AddForces(Along *along, const MpmGroup *group, PetscInt s)
   PetscFunctionBeginUser;
   PetscCall(MpmAlongEnter(along->map, along->directions, group, p, work, &point));
   if (along->kept) PetscCall(MeanFluxes(along, group, s));
-  else PetscCall(MpmAlongDifferentiate(along->map, along->directions, p, &point, work));
-  MpmAlongPlace(along->map, along->directions, p, work);
-  MpmAlongForces(along->map, along->directions, work->point.flux, work->dflux, work);
+  else {
+    PetscCall(MpmAlongDifferentiate(along->map, along->directions, p, &point, work));
+    MpmAlongPlace(along->map, along->directions, p, work);
+  }
+  if (along->directions->residual) MpmAlongForces(along->map, along->directions, work->point.flux, work->dflux, work);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -185,7 +188,8 @@ PetscErrorCode MpmPointsAlong(const MpmStepMap *map, const MpmStepDirections *di
   for (PetscInt b = 0; b < MpmBatchCount(map); b++) {
     along.batch = MpmBatchAt(map, b);
     if (means) PetscCall(TakeMeans(&along));
-    PetscCall(VisitPoints(&along, AddForces, PETSC_TRUE));
+    if (directions->residual || !means)
+      PetscCall(VisitPoints(&along, AddForces, (PetscBool)(directions->residual != NULL)));
   }
   if (means) PetscCall(MpmMeansDestroy(&along.means));
   PetscCall(PetscFree(along.kept));

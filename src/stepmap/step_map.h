@@ -46,7 +46,7 @@ typedef struct {
   const MpmGroundDirection *ground; /* of a field; NULL: none */
 } MpmStepDirection;
 
-/* Up to MPM_PACK directions, dr of each at the local nodes, and ds' of each; `end` NULL: not wanted. */
+/* Up to MPM_PACK directions, dr of each at the local nodes, and ds' of each; NULL: not wanted. */
 typedef struct {
   PetscInt                count;
   const MpmStepDirection *of;
@@ -59,7 +59,7 @@ PetscErrorCode MpmStateVectorCreate(const MpmSum *sum, const MpmPoints *points, 
                                     MpmPointVector *vector);
 PetscErrorCode MpmStepVectorCreate(const MpmStepMap *map, MpmPointVector *vector);
 
-/* Adds dr at the local nodes, a rank's part; where `end` is not NULL also sets ds'. */
+/* Adds dr at the local nodes, a rank's part, and sets ds', where they are wanted. */
 PetscErrorCode MpmPointsAlong(const MpmStepMap *map, const MpmStepDirections *directions);
 
 /* Derivatives of the points, which PullSolution finds and PullStart uses (point_table.h). */
