@@ -50,7 +50,7 @@ static PetscReal Resistance(const Node *node, PetscReal speed)
 }
 
 /* The root where the resistance is F(0) and a part that goes with the speed squared: all of it, of most laws. */
-static PetscReal Guess(PetscReal mass, PetscReal kick, PetscReal speed, PetscReal at_rest, PetscReal at_speed)
+static PetscReal SquareRoot(PetscReal mass, PetscReal kick, PetscReal speed, PetscReal at_rest, PetscReal at_speed)
 {
   const PetscReal square = kick * (at_speed - at_rest) / (speed * speed), rest = mass * speed - kick * at_rest;
   const PetscReal root = mass * mass + 4. * square * rest;
@@ -68,7 +68,7 @@ static PetscReal Solve(const Node *node, PetscReal mass, PetscReal kick, PetscRe
   if (!(below < 0.)) return 0.;
   for (PetscInt k = 0; k < MOST && above > 0. && upper - lower > zero * upper; k++) {
     const PetscReal middle =
-      k ? (lower * above - upper * below) / (above - below) : Guess(mass, kick, speed, at_rest, at_speed);
+      k ? (lower * above - upper * below) / (above - below) : SquareRoot(mass, kick, speed, at_rest, at_speed);
     const PetscReal value = mass * (middle - speed) + kick * Resistance(node, middle);
 
     if (PetscAbsReal(value) <= zero * mass * speed) return middle;
