@@ -220,11 +220,29 @@ static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function,
 
 /* ---- all of it ---- */
 
+/* A load of no magnitude has lost its direction, and its run has no derivative by the factor. */
+static PetscErrorCode CheckFactors(const MpmInverseProblem *problem, const PetscReal t[])
+{
+  const MpmSceneParameter *parameters = problem->scene->gradient->parameters.at;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < problem->count; k++) {
+    const MpmParameterRange *range = &problem->ranges->at[k];
+
+    for (PetscInt i = 0; i < range->count; i++)
+      MpmCheckInput(parameters[range->of[i]].kind != MPM_OF_LOAD || MpmRangeValue(range, t[k]) != 0.,
+                    "-mpm_parameter_%s_start 0: must not be 0, where there is no derivative by the factor of a load",
+                    range->name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Evaluate(MpmInverseProblem *problem, MpmModel model, MpmEvaluationSlopes slopes, PetscReal limit,
                                MpmEvaluation *evaluation)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmModelSetFromOptions(model));
+  if (slopes != MPM_NO_SLOPES) PetscCall(CheckFactors(problem, evaluation->t));
   PetscCall(TakeSteps(model, &evaluation->interrupted));
   if (evaluation->interrupted) Fail(evaluation, "interrupted");
   else if (!model->caller.outcome.code) {

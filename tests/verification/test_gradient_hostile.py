@@ -78,6 +78,12 @@ with Test() as test:
     again = test.run(beam, status=2, **{**value, "mpm_restart": f"{first.prefix}_checkpoint_000001.h5"})
     test.check("restart.line", "derivatives need all steps" in again.errors and again.errors.count("\n") == 1, 1, 1)
 
+    # nor has a load of no magnitude by its factor
+    none = test.run(beam, status=2, **{**EXACT, **BEAM, "mpm_task": "inverse", "mpm_objectives": "u", **times,
+                                       "mpm_parameters": "f", "mpm_parameter_f_of": "tip.factor", "mpm_parameter_f_start": 0})
+    test.check("factor.line", "must not be 0" in none.errors and none.errors.count("\n") == 1, 1, 1)
+    test.check("factor.files", len(none.files), 0, 0)
+
     # a twin that is refused is freed
     run = test.run(BLOCK, status=3, **{**EXACT, **SMOOTH, "mpm_objectives": "u", **objective("track_toe_ux", kind="value"),
                                        "mpm_material_soil_dilation": 20, "mpm_gradient_method": "twins",
