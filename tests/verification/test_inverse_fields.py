@@ -163,6 +163,8 @@ def correlated(test, folder):
         run, ends[method] = analyse(test, options | {"mpm_inverse_method": method, "mpm_inverse_iterations": 60})
     difference = np.abs(np.log(np.array(ends["blmvm"]["values"]) / ends["gauss_newton"]["values"])).max()
     test.near("prior.methods", difference, 0.0, absolute=1e-4)
+    _, other = analyse(test, options | {"mpm_inverse_method": "blmvm", "mpm_inverse_iterations": 60}, ranks=3)
+    test.near("prior.ranks=3", np.abs(np.log(np.array(other["values"]) / ends["blmvm"]["values"])).max(), 0.0, absolute=1e-5)
     found = ends["blmvm"]
     away = np.log(np.array(found["values"]) / 1e6) / 0.3
     places = np.array(PLACES)
