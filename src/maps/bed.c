@@ -98,10 +98,11 @@ static PetscErrorCode ReadMap(const MpmOptions *terrain, const PetscReal lower[]
 
 PetscErrorCode MpmBedRead(const MpmOptions *options, const PetscReal lower[], const PetscReal upper[], MpmBed *bed)
 {
-  static const char *const slopes[] = {"normal", "vertical", NULL};
-  const MpmOptions         terrain  = {options->comm, "mpm_terrain_", options->record};
-  MpmMapAsk                ask      = {.band = 1};
-  PetscInt                 slope    = 0;
+  static const char *const slopes[]     = {"normal", "vertical", NULL};
+  static const char *const curvatures[] = {"none", "path", "pressure", NULL};
+  const MpmOptions         terrain      = {options->comm, "mpm_terrain_", options->record};
+  MpmMapAsk                ask          = {.band = 1};
+  PetscInt                 slope = 0, curvature = 0;
   PetscBool                given;
 
   PetscFunctionBeginUser;
@@ -115,6 +116,13 @@ PetscErrorCode MpmBedRead(const MpmOptions *options, const PetscReal lower[], co
                            "normal: depth and pressure normal to the bed, lengths along it; vertical: shallow water",
                            slopes, MPM_OPTIONAL, &slope, NULL));
   bed->normal = (PetscBool)!slope;
+  PetscCall(MpmOptionsWord(options, "curvature",
+                           "of the path over the bed, with slope normal: path keeps the speed along the bed where the "
+                           "bed bends; pressure has its part of the pressure and of friction, too",
+                           curvatures, MPM_OPTIONAL, &curvature, NULL));
+  bed->curvature = (MpmBedCurvature)curvature;
+  MpmCheckInput(bed->normal || !curvature || MpmOptionsHelp(), "-mpm_curvature %s: is an option of -mpm_slope normal",
+                curvatures[curvature]);
   MpmCheckInput(!given || !bed->file || MpmOptionsHelp(), "-mpm_bed: -mpm_terrain_file has the bed");
   if (bed->file || MpmOptionsHelp()) {
     PetscCall(ReadMap(&terrain, lower, upper, &ask, bed));

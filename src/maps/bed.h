@@ -8,14 +8,18 @@
 #include "base/types.h"
 #include "maps/map.h"
 
+/* Curvature of paths: left out; in the motion, which keeps its speed along the bed; in the pressure, too. */
+typedef enum { MPM_BED_STRAIGHT, MPM_BED_PATH, MPM_BED_PRESSURE } MpmBedCurvature;
+
 /* Height z = plane[0] + plane[1] x + plane[2] y, or bilinear between the centres of a map's pixels. */
 struct MpmBed {
-  PetscReal plane[3];
-  MpmMap    map; /* without pixels: the plane counts */
-  char     *file, *project;
-  PetscBool normal;  /* lengths, depth and pressure count along and normal to the bed */
-  PetscBool outflow; /* material on pixels without data has left; otherwise it ends the run */
-  char     *missing; /* of each pixel: it has no data, and a value from beside; NULL: there is none */
+  PetscReal       plane[3];
+  MpmMap          map; /* without pixels: the plane counts */
+  char           *file, *project;
+  MpmBedCurvature curvature;
+  PetscBool       normal;  /* lengths, depth and pressure count along and normal to the bed */
+  PetscBool       outflow; /* material on pixels without data has left; otherwise it ends the run */
+  char           *missing; /* of each pixel: it has no data, and a value from beside; NULL: there is none */
 };
 
 /*

@@ -12,13 +12,18 @@
 
 static const MpmParameter parameters[] = {MPM_BASAL_SHARED};
 
+#define DEGREE (3.14159265358979323846 / 180.)
+
 static const MpmStateVariable states[] = {{"depth", MPM_STATE_SCALAR, 1., "m"}};
 
-/* rho g h */
+/* rho g h, of the largest passive pressure where the material has internal friction */
 MPM_FN double Stiffness(const double *parameter, const MpmLawTable *table, const double *state, const double *F)
 {
   (void)table, (void)F;
-  return parameter[MPM_BASAL_DENSITY] * parameter[MPM_BASAL_GRAVITY] * (state ? state[0] : 1.);
+  const double sine = parameter[MPM_BASAL_INTERNAL] < 90. ? sin(parameter[MPM_BASAL_INTERNAL] * DEGREE) : 0.;
+
+  return parameter[MPM_BASAL_DENSITY] * parameter[MPM_BASAL_GRAVITY] * (state ? state[0] : 1.) * (1. + sine) /
+         (1. - sine);
 }
 
 MPM_FN int MpmMaterialEvaluate_column(const MpmLawPoint *point, const Tensor *dF, Sym *tau)

@@ -18,6 +18,8 @@
   horizontal direction of s, k = 1: on a plane bed these are the equations in axes along it. k goes to 0 where the
   surface is level beside the slope, so that a lake rests.
 
+  The pressure of the depth is K times as large in a material with internal friction (bed_earth.c).
+
   Sources: Gray, Wieland and Hutter (1999), Proc. R. Soc. Lond. A 455, 1841-1874, doi:10.1098/rspa.1999.0383 (axes along
   the bed); Audusse, Bouchut, Bristeau, Klein and Perthame (2004), SIAM J. Sci. Comput. 25, 2050-2065,
   doi:10.1137/S1064827503431090 (balance with water at rest).
@@ -92,3 +94,5 @@ void MpmBedFindLevels(const MpmSum *sum, MpmBedFlow *flow);
 PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal kick, PetscReal velocity[]);
 /* Takes energy from oscillations of affine velocities at a step's end (bed_calm.c). */
 PetscErrorCode MpmBedCalm(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
+/* Pressure of a point's depth along the bed over that of a fluid; 1 without internal friction (bed_earth.c). */
+PetscReal MpmBedEarthPressure(const MpmSum *sum, PetscInt p, PetscReal depth, PetscReal cosine2);

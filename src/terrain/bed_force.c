@@ -161,19 +161,19 @@ MPM_INLINE void AddForce(const MpmKnown known, const MpmSum *sum, const PetscInt
   const MpmOnBed *at     = &flow->point[p];
   const PetscReal weight = MpmPointMass(sum->points, sum->materials, p) * Gravity(sum, p); /* rho g V */
   const PetscReal c = MpmBedCosine2(flow->bed, at->slope), on_area = weight / at->depth;
-  const PetscReal steep = at->slope[0] * at->slope[0] + at->slope[1] * at->slope[1];
+  const PetscReal steep    = at->slope[0] * at->slope[0] + at->slope[1] * at->slope[1];
+  const PetscReal pressure = 0.5 * c * weight * at->depth * MpmBedEarthPressure(sum, p, at->depth, c);
 
   for (PetscInt i = 0; i < known.n; i++) {
     const PetscReal *level = &flow->level[nodes[i] * MPM_LEVEL_COUNT];
     const PetscReal  w = MpmBasisAt(basis, 0, i), gradient[2] = {MpmBasisAt(basis, 1, i), MpmBasisAt(basis, 2, i)};
     const PetscReal  d = level[MPM_LEVEL] - at->bed, D = level[MPM_LEVEL] - level[MPM_LEVEL_BED];
-    const PetscReal  along    = gradient[0] * at->slope[0] + gradient[1] * at->slope[1];
-    const PetscReal  tilt     = steep > 0. ? level[MPM_LEVEL_TILT] * (1. - c) * along / steep : 0.;
-    const PetscReal  rest     = level[MPM_LEVEL_PART] * on_area;
-    const PetscReal  pressure = 0.5 * c * weight * at->depth;
-    const PetscReal  still    = 0.5 * rest * (c * d * d - level[MPM_LEVEL_WET] * D * D),
-                    slope     = c * w * (rest * d - weight);
-    PetscReal *force          = &flow->force[nodes[i] * sum->block];
+    const PetscReal  along = gradient[0] * at->slope[0] + gradient[1] * at->slope[1];
+    const PetscReal  tilt  = steep > 0. ? level[MPM_LEVEL_TILT] * (1. - c) * along / steep : 0.;
+    const PetscReal  rest  = level[MPM_LEVEL_PART] * on_area;
+    const PetscReal  still = 0.5 * rest * (c * d * d - level[MPM_LEVEL_WET] * D * D),
+                    slope  = c * w * (rest * d - weight);
+    PetscReal *force       = &flow->force[nodes[i] * sum->block];
 
     for (PetscInt a = 0; a < 2; a++)
       force[a] += pressure * (gradient[a] - tilt * at->slope[a]) - still * gradient[a] + slope * at->slope[a];

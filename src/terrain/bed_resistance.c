@@ -7,6 +7,10 @@
   u* the speed without resistance, and 0 where k F(0) >= m u*: what the bed can hold is at rest to the last digit. q is
   the speed along the bed over the horizontal one; area of the bed over its plan and the horizontal part of a stress
   along the motion make q' = sqrt(1 + s^2)/q. With -mpm_slope vertical both are 1.
+
+  With -mpm_curvature path a node has moved before by -k c s b u^2, s the slope of the bed and b = n . H n along the
+  motion n, of the second differences H of the bed at the nodes: the bed's force on what follows it, which leaves the
+  speed along the bed as it is. With pressure the pressure normal to the bed is rho h c (g + b u^2), at least 0.
 */
 #include "talus/point/basal.h"
 #include "point/material.h"
@@ -23,6 +27,7 @@ typedef struct {
   const MpmSum     *sum;
   PetscInt          node;
   PetscReal         cosine2, along, part; /* c, q and q' */
+  PetscReal         bend;                 /* of the bed along the motion, 1/m: b */
 } Node;
 
 /* F at a speed, N. */
@@ -36,13 +41,14 @@ static PetscReal Resistance(const Node *node, PetscReal speed)
     const PetscReal   *share     = &node->flow->shares[(node->node * materials + k) * MPM_BED_SHARES];
     const double      *parameter = MpmBedParameters(node->flow, node->sum->materials, k);
     const PetscReal    density = parameter[MPM_BASAL_DENSITY], g = parameter[MPM_BASAL_GRAVITY];
+    const PetscReal    heavy = PetscMax(g + node->bend * speed * speed, 0.);
     PetscReal          depth;
     MpmBasalPoint      point;
 
     if (!(share[MPM_BED_SHARE] > 0.)) continue;
     depth = share[MPM_BED_SHARE] / share[MPM_BED_OVER_DEPTH];
     point = (MpmBasalPoint){.depth    = depth * PetscSqrtReal(node->cosine2),
-                            .pressure = density * g * depth * node->cosine2,
+                            .pressure = density * heavy * depth * node->cosine2,
                             .speed    = node->along * speed};
     force += share[MPM_BED_SHARE] * node->part * material->basal->resistance(parameter, &point) / (density * depth);
   }
@@ -101,6 +107,46 @@ static void TakeParameters(const MpmSum *sum, PetscInt node, MpmBedFlow *flow)
       MpmMapAt(&flow->parameter[k].map, x);
 }
 
+/* n . H n at a node; at an edge of the grid that of the next node inside. */
+static PetscReal Bend(const MpmSum *sum, const MpmBed *bed, PetscInt i, const PetscReal n[])
+{
+  const MpmGrid  *grid            = sum->grid;
+  const PetscReal part[2]         = {n[0] / grid->h[0], n[1] / grid->h[1]};
+  PetscInt        at[MPM_MAX_DIM] = {0};
+  PetscReal       z[3][3];
+
+  for (PetscInt a = 0; a < 2; a++)
+    at[a] = PetscClipInterval(sum->space->node[i * 2 + a], 1, PetscMax(grid->nodes[a] - 2, 1));
+  for (PetscInt k = 0; k < 9; k++) {
+    PetscInt  node[MPM_MAX_DIM] = {0};
+    PetscReal x[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < 2; a++) {
+      node[a] = at[a] + (a ? k / 3 : k % 3) - 1;
+      if (grid->nodes[a] < 3) node[a] = 0; /* an axis of one cell has no curvature */
+    }
+    MpmGridNodeAtStart(grid, node, x);
+    z[k % 3][k / 3] = MpmBedHeight(bed, x);
+  }
+  return part[0] * part[0] * (z[0][1] - 2. * z[1][1] + z[2][1]) +
+         part[1] * part[1] * (z[1][0] - 2. * z[1][1] + z[1][2]) +
+         0.5 * part[0] * part[1] * (z[2][2] - z[0][2] - z[2][0] + z[0][0]);
+}
+
+/* Keeps a node's velocity on the bed as it bends; its curvature along the motion for the pressure. */
+static PetscReal Follow(const Node *node, PetscReal kick, const PetscReal slope[], PetscReal v[])
+{
+  const PetscReal bend = Bend(node->sum, node->flow->bed, node->node, v), speed2 = v[0] * v[0] + v[1] * v[1];
+
+  const PetscReal by     = kick * node->cosine2 * bend,
+                  change = PetscAbsReal(by) * PetscSqrtReal(PetscSqr(slope[0]) + PetscSqr(slope[1]));
+  const PetscReal part =
+    change > PetscSqrtReal(speed2) ? PetscSqrtReal(speed2) / change : 1.; /* nodes of hardly any mass */
+
+  for (PetscInt a = 0; a < 2; a++) v[a] -= part * by * slope[a];
+  return node->flow->bed->curvature == MPM_BED_PRESSURE ? bend / speed2 : 0.;
+}
+
 PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal kick, PetscReal velocity[])
 {
   MpmBedFlow *flow = ctx;
@@ -114,10 +160,12 @@ PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[]
     if (!(mass[i] > 0.) || !(speed > 0.)) continue;
     if (flow->bed->normal) {
       for (PetscInt a = 0; a < 2; a++) slope[a] = sums[MPM_BED_SLOPE + a] / sums[MPM_BED_MASS];
-      along        = (v[0] * slope[0] + v[1] * slope[1]) / speed;
       node.cosine2 = MpmBedCosine2(flow->bed, slope);
-      node.along   = PetscSqrtReal(1. + along * along);
-      node.part    = 1. / (PetscSqrtReal(node.cosine2) * node.along);
+      if (flow->bed->curvature) node.bend = Follow(&node, kick, slope, v);
+      speed      = PetscSqrtReal(v[0] * v[0] + v[1] * v[1]);
+      along      = speed > 0. ? (v[0] * slope[0] + v[1] * slope[1]) / speed : 0.;
+      node.along = PetscSqrtReal(1. + along * along);
+      node.part  = 1. / (PetscSqrtReal(node.cosine2) * node.along);
     }
     if (flow->own) TakeParameters(sum, i, flow);
     to = Solve(&node, mass[i], kick, speed);

@@ -67,27 +67,29 @@ def bowl(test, cell, periods, bound, ranks=1):
     test.near(f"{name}.centre", float((volume * x).sum() / volume.sum()), shift, relative=0.005)
 
 
-def cap(test):
+def cap(test, internal=None, pressure=1.0):
     """A cap on 30 degrees with 24 of friction, in lengths along the slope, with 40 cells across."""
     theta, delta, c = math.radians(30), math.radians(24), math.cos(math.radians(30))
     folder, half, height, cell = test.folder(), 60.0, 2.0, 3.0 * math.cos(math.radians(30))
     lower, count = -40 * cell, 130
     parabola(folder / "depth.asc", cell, lower, lower + count * cell, 0.0, half * c, height / c)
     for end in (5.0, 12.0):
+        name = f"cap.{internal}.{end}"
         path = folder / "cap.yaml"
         path.write_text(ROW.format(slope="normal", bed=f'bed: "0,{-math.tan(theta)!r},0"', lower=lower, upper=lower + count * cell,
                                    cell=cell, cells=count, friction=24.0, west=-half * c, east=half * c, depth="depth: depth.asc",
-                                   end=end))
+                                   end=end).replace("density: 1000", "density: 1000"
+                                                    + (f", internal_friction: {internal}" if internal else "")))
         state = test.run(path).results.state("last")
         x, volume = state["position"][:, 0] / c, state["volume"].ravel()
         centre = float((volume * x).sum() / volume.sum())
         width, speed, step = half, 0.0, end / 20000
         for _ in range(20000):  # leapfrog: the first kick is a half one
             middle = width + step / 2 * speed
-            speed += step * 2 * G * c * height * half / middle ** 2
+            speed += step * 2 * G * c * pressure * height * half / middle ** 2
             width = middle + step / 2 * speed
-        test.near(f"cap.{end}.centre", centre, (math.sin(theta) - c * math.tan(delta)) * G * end ** 2 / 2, relative=0.005)
-        test.near(f"cap.{end}.width", math.sqrt(5 * float((volume * (x - centre) ** 2).sum() / volume.sum())), width,
+        test.near(f"{name}.centre", centre, (math.sin(theta) - c * math.tan(delta)) * G * end ** 2 / 2, relative=0.005)
+        test.near(f"{name}.width", math.sqrt(5 * float((volume * (x - centre) ** 2).sum() / volume.sum())), width,
                   relative=0.005)
 
 
@@ -107,8 +109,51 @@ def lake(test):
     test.check("lake.speed", float(abs(run.results.state("last")["velocity"]).max()) / math.sqrt(G), 0, 1e-12)
 
 
+def path(test, curvature, mu, ranks=1):
+    """A thin layer slides from rest through the valley z = x^2/20: its speed along the bed before the lowest place."""
+    folder, cell, start = test.folder(), 0.25, -8.0
+    write_row(folder / "bed.asc", [(-15 + cell * (i - 1)) ** 2 / 20 for i in range(123)], -15 - cell, cell, 4)
+    x, u, step, time = start, 0.0, 1e-4, 0.0
+    while x < -3.0:  # midpoint rule of u' = -(z' + mu sign q)(g + z'' u^2)/q^2, with q^2 = 1 + z'^2, friction along the bed
+        a, b = x, u
+        for part in (step / 2, step):
+            s = a / 10
+            rate = -(s * (G + b * b / 10) + mu * (G + (b * b / 10 if curvature == "pressure" else 0))) / (1 + s * s)
+            a, b = x + part * (u if part < step else b), u + part * rate
+        x, u, time = a, b, time + step
+    file = folder / "path.yaml"
+    file.write_text(ROW.format(slope="normal", bed=f"curvature: {curvature}\n  terrain: {{file: bed.asc}}", lower=-15.0, upper=15.0,
+                               cell=cell, cells=120, friction=math.degrees(math.atan(mu)), west=start - cell, east=start + cell,
+                               depth="depth: 1e-4", end=time))
+    state = test.run(file, ranks=ranks, mpm_time_step=0.01).results.state("last")
+    name = f"path.{curvature}.{mu}.{ranks}"
+    test.near(f"{name}.speed", float(state["velocity"][:, 0].mean()), u, relative=0.01)
+    test.near(f"{name}.place", float(state["position"][:, 0].mean()), x, absolute=0.05)
+
+
+def steep(test):
+    """Acceleration on a plane of 68 degrees."""
+    path, theta = test.folder() / "steep.yaml", math.radians(68)
+    path.write_text(ROW.format(slope="normal", bed=f'bed: "0,{-math.tan(theta)!r},0"', lower=-15.0, upper=15.0, cell=0.5, cells=60,
+                               friction=0.0, west=-4.0, east=4.0, depth="depth: 1e-3", end=1.0))
+    state = test.run(path, mpm_time_step=0.01).results.state("last")
+    test.near("steep.speed", float(state["velocity"][:, 0].mean()), G * math.sin(theta) * math.cos(theta), relative=1e-3)
+
+
+def pressed(test):
+    """A cap on 30 degrees that spreads with active earth pressure: K as many times the pressure of a fluid."""
+    phi, delta = math.radians(30), math.radians(24)
+    root = math.sqrt(1 - math.cos(phi) ** 2 / math.cos(delta) ** 2)
+    cap(test, 30.0, 2 * (1 - root) / math.cos(phi) ** 2 - 1)
+
+
 with Test() as test:
     bowl(test, 0.5, 1, 0.004)
     bowl(test, 0.25, 5, 0.002, ranks=3)
     cap(test)
+    pressed(test)
+    steep(test)
+    path(test, "path", 0.0)
+    path(test, "path", 0.2, ranks=3)
+    path(test, "pressure", 0.2)
     lake(test)

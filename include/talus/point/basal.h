@@ -34,12 +34,14 @@ typedef struct MpmBasalLaw {
 } MpmBasalLaw;
 
 /* The first rows of all parameter tables, and their places. */
-enum { MPM_BASAL_DENSITY, MPM_BASAL_GRAVITY, MPM_BASAL_OWN };
+enum { MPM_BASAL_DENSITY, MPM_BASAL_GRAVITY, MPM_BASAL_INTERNAL, MPM_BASAL_OWN };
 #define MPM_BASAL_GRAVITY_EARTH 9.81
 #define MPM_BASAL_SHARED \
   {MPM_NUMBER, "density", "kg/m3", 0., 1, 0., HUGE_VAL, 1, "of the flowing mixture", NULL, 1300., NULL}, \
+    {MPM_NUMBER, "gravity", "m/s2", MPM_BASAL_GRAVITY_EARTH, 0, 0., HUGE_VAL, 1, "downwards", NULL, 9.81, NULL}, \
   { \
-    MPM_NUMBER, "gravity", "m/s2", MPM_BASAL_GRAVITY_EARTH, 0, 0., HUGE_VAL, 1, "downwards", NULL, 9.81, NULL \
+    MPM_NUMBER, "internal_friction", "degrees", HUGE_VAL, 0, 0., 89., 0, \
+      "for active and passive earth pressure along the bed; without: that of a fluid", NULL, 35., NULL \
   }
 
 /* MPM_BASAL(voellmy, parameters, Check or NULL, Resistance, "one line for -help") */
