@@ -44,7 +44,8 @@ static int WriteTiff(const MpmGdal *gdal, const char *path, const MpmMap *like, 
                      const char *const names[], const PetscReal *const values[])
 {
   char    deflate[] = "COMPRESS=DEFLATE", predictor[] = "PREDICTOR=3", big[] = "BIGTIFF=IF_SAFER";
-  char   *options[]    = {deflate, predictor, big, NULL};
+  char    apart[]      = "INTERLEAVE=BAND"; /* a band is read without the others */
+  char   *options[]    = {deflate, predictor, big, apart, NULL};
   double  transform[6] = {like->origin[0] + like->x0 - 0.5 * like->cell[0],
                           like->cell[0],
                           0.,

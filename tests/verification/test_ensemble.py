@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import ENVIRONMENT, Test, alone, read_table  # noqa: E402
+from talus_test import ENVIRONMENT, Test, alone, example, read_table  # noqa: E402
 
 ENVIRONMENT["TALUS_GDAL"] = "none"  # maps as text
 POINT = """mpm:
@@ -229,6 +229,8 @@ with Test() as test:
     faults(test)
     maps(test)
     killed(test)
+    slope = test.run(example("ensemble_slope"), ranks=2, mpm_quiet=None, mpm_ensemble_members=8, mpm_grid_cells="32,8")
+    test.check_example("slope", slope, "ensemble_slope")
     point = write(test, "point.yaml", POINT.format(members=20, steps=3, nu=0.45))
     for label, options, words in REFUSED:
         run = test.run(point, status=2, mpm_quiet=None, **options)

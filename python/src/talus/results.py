@@ -56,6 +56,16 @@ class Results:
         """A row a step."""
         return pd.read_csv(self._files.path("_history.csv"))
 
+    @functools.cached_property
+    def members(self) -> pd.DataFrame:
+        """Of an ensemble: a row a member, with status (0 completed, 2 refused, 3 gave up), draws and results."""
+        return pd.read_csv(self._files.path("_members.csv"))
+
+    @functools.cached_property
+    def statistics(self) -> pd.DataFrame:
+        """Of an ensemble: a row a draw and a result."""
+        return pd.read_csv(self._files.path("_statistics.csv"))
+
     @property
     def summary(self) -> dict[str, Any]:
         """How the run ended, its sizes and times."""
@@ -107,8 +117,9 @@ class Results:
         summary = self.summary
         keys = ("title", "status", "physics", "dim", "points", "ranks", "steps", "newton_iterations", "time_total_s")
         texts = {key: html.escape(str(summary[key])) for key in keys if key in summary}
+        last = self.statistics if summary.get("task") == "ensemble" else self.history.tail(3)
         rows = "".join(f"<tr><th>{key}</th><td>{text}</td></tr>" for key, text in texts.items())
-        return f"<table>{rows}</table>{self.history.tail(3).to_html(index=False)}"
+        return f"<table>{rows}</table>{last.to_html(index=False)}"
 
     def __repr__(self) -> str:
         return f"Results({str(self.prefix)!r}, {self.summary['status']})"
