@@ -2,7 +2,7 @@
 /*
   The task `ensemble`: runs of a scene with numbers drawn from distributions, and their statistics.
 
-  Order of calls: MpmEnsembleRead() once the scene has been read; a member's options, its run (inverse/ensemble.c), and
+  Order of calls: MpmEnsembleRead() once the scene has been read; a member's options, its run (members/members.c), and
   the file that says so; tables and maps of all members; MpmEnsembleDestroy().
 */
 #include "query/model.h"

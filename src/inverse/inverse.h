@@ -15,10 +15,5 @@ PetscErrorCode MpmTwinsFind(MpmModel model);
 PetscErrorCode MpmGradientCheck(MpmModel model);
 /* The task inverse (run.c): the scene itself is not run, but others of it; `status` of the program. */
 PetscErrorCode MpmInverseRun(MpmModel model, int *status);
-/*
-  The task ensemble (ensemble.c): runs all members, those that are there already aside, and writes tables, statistics
-  and maps; `status` of the program. The scene itself is not run. Collective.
-*/
-PetscErrorCode MpmEnsembleRun(MpmModel model, int *status);
 /* Derivatives by fields, into files of their own and the summary; nothing where there are none. Collective. */
 PetscErrorCode MpmGroundResultsWrite(MpmModel model);

@@ -6,6 +6,7 @@
 #include "observe/results.h"
 #include "sensitivity/gradient.h"
 #include "model/build.h"
+#include "members/members.h"
 #include "inverse/inverse.h"
 
 /* A line for the objective and each derivative. */

@@ -10,7 +10,8 @@
 #include "observe/signals.h"
 #include "options/record.h"
 #include "ensemble/ensemble.h"
-#include "inverse/inverse.h"
+#include "model/build.h"
+#include "members/members.h"
 
 /* Work of this rank's group. */
 typedef struct {
@@ -68,8 +69,18 @@ static PetscErrorCode HandleError(MPI_Comm comm, int line, const char *function,
   return code;
 }
 
-/* The run; its status, as the program's. */
-static PetscErrorCode RunScene(const Group *group, MpmModel other, int *status)
+/* Steps and summary. */
+static PetscErrorCode TakeSteps(MpmModel other)
+{
+  PetscBool interrupted;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmModelRunSteps(other, &interrupted));
+  PetscCall(MpmModelRunEnd(other, interrupted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RunScene(const Group *group, MpmModel other)
 {
   const MpmForceField *force = &group->model->scene.body_force;
 
@@ -77,7 +88,8 @@ static PetscErrorCode RunScene(const Group *group, MpmModel other, int *status)
   other->record->sources = group->model->record->sources;
   PetscCall(MpmModelSetBodyForce(other, force->function, force->ctx));
   PetscCall(MpmModelSetFromOptions(other));
-  PetscCall(MpmModelRun(other, status));
+  PetscCall(MpmModelSetUp(other));
+  MpmModelCall(other, TakeSteps(other));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -110,7 +122,6 @@ static PetscErrorCode RunMember(Group *group, PetscInt m)
   MpmModel       other;
   PetscLogDouble since, now;
   PetscErrorCode error;
-  int            status = 0;
   char           prefix[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBeginUser;
@@ -119,16 +130,13 @@ static PetscErrorCode RunMember(Group *group, PetscInt m)
   PetscCall(PetscTime(&since));
   PetscCall(MpmModelCreate(group->comm, &other));
   PetscCall(PetscPushErrorHandler(HandleError, member.why));
-  error = RunScene(group, other, &status);
+  error = RunScene(group, other);
   PetscCall(PetscPopErrorHandler());
   if (error && error != MPM_ERR_INPUT) PetscCall(error);
   if (error) member.status = MPM_MEMBER_REFUSED;
-  else if (status) {
-    const char *why;
-
-    PetscCall(MpmModelGetReason(other, &why));
+  else if (other->caller.outcome.code) {
     member.status = MPM_MEMBER_FAILED;
-    PetscCall(PetscStrncpy(member.why, why ? why : "", sizeof(member.why)));
+    PetscCall(PetscStrncpy(member.why, other->caller.outcome.text, sizeof(member.why)));
   }
   PetscCall(MpmModelDestroy(&other));
   PetscCall(PetscTime(&now));
