@@ -69,7 +69,7 @@ PetscErrorCode MpmBodyMotionCreate(const MpmOptions *options, const char *name, 
   PetscCall(PetscFree(body));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &motion->region));
-  MpmCheckInput(MpmOptionsHelp() || MpmRegionGetType(motion->region) != MPM_REGION_FILE,
+  MpmCheckInput(MpmOptionsHelp() || MpmRegionGetType(motion->region) < MPM_REGION_FILE,
                 "-%sregion file: only bodies are read from files", prefix);
   PetscCall(ReadValue(&block, grid->dim, motion));
   PetscFunctionReturn(PETSC_SUCCESS);

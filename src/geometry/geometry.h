@@ -16,7 +16,9 @@ typedef enum {
   MPM_REGION_LAYERS,
   MPM_REGION_OUTLINE,
   MPM_REGION_RASTER,
-  MPM_REGION_FILE
+  MPM_REGION_FILE, /* from here on the points of bodies come from files */
+  MPM_REGION_COLUMNS,
+  MPM_REGION_DEPTH
 } MpmRegionType;
 
 typedef struct _p_MpmRegion *MpmRegion;

@@ -1,8 +1,8 @@
 /*
   MpmRegion - a region of space, read from the options of a block.
 
-    region    all (default) | box | sphere | cylinder | polygon | layers | file (of points, which the block's owner
-              reads)
+    region    all (default) | box | sphere | cylinder | polygon | layers | outline | raster | file, columns, depth (of
+              points, which the block's owner reads)
     box       lower, upper: corners; equal ones make a plane, a line or a point
     sphere    center, radius; a disc in 2D
     cylinder  3D only: point, axis (any length, default 0,0,1), radius, length (along the axis from the point;
@@ -21,8 +21,8 @@
 #include <math.h>
 #include <stdio.h>
 
-static const char *const region_types[] = {"all",    "box",     "sphere", "cylinder", "polygon",
-                                           "layers", "outline", "raster", "file",     NULL};
+static const char *const region_types[] = {"all",     "box",    "sphere", "cylinder", "polygon", "layers",
+                                           "outline", "raster", "file",   "columns",  "depth",   NULL};
 
 static const char *Prefix(const MpmOptions *options)
 {
@@ -275,7 +275,7 @@ static PetscErrorCode ReadGeometry(const MpmOptions *options, MpmRegion region)
   case MPM_REGION_ALL:
     PetscCall(CheckNoGeometry(options));
     break;
-  case MPM_REGION_FILE:
+  default: /* its block's owner reads the points */
     break;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -294,7 +294,7 @@ static void Unbound(MpmRegion region)
 static PetscErrorCode ReadClip(const MpmOptions *options, MpmRegion region)
 {
   PetscFunctionBegin;
-  if (region->type == MPM_REGION_FILE || region->type == MPM_REGION_RASTER) PetscFunctionReturn(PETSC_SUCCESS);
+  if (region->type >= MPM_REGION_FILE || region->type == MPM_REGION_RASTER) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsReals(options, "clip_lower", "m", "the region ends at this lower corner", MPM_RANGE_ANY,
                             MPM_OPTIONAL, region->dim, region->clip[0], NULL));
   PetscCall(MpmOptionsReals(options, "clip_upper", "m", "the region ends at this upper corner", MPM_RANGE_ANY,

@@ -9,10 +9,12 @@
                         radius of the endless shaft above; a wedge in 2D
               polygon   2D: vertices x1,y1,x2,y2,... in order round it
               stl       3D: file, scale (m in the file's unit, default 1), origin (of the file; default 0,0,0)
-    side      of all but a plane, on which the material is: outside (default) or inside
+              terrain   3D: the bed of the scene, -mpm_terrain_file or -mpm_bed
+    side      of all but a plane and a terrain, on which the material is: outside (default) or inside
 */
 #include "options/options.h"
 #include "io/stl_file.h"
+#include "maps/bed.h"
 #include "geometry/geometry.h"
 #include "geometry/solid.h"
 #include "geometry/solid_types.h"
@@ -20,7 +22,7 @@
 
 #include <math.h>
 
-const char *const MpmSolidTypes[] = {"plane", "box", "sphere", "cylinder", "cone", "polygon", "stl", NULL};
+const char *const MpmSolidTypes[] = {"plane", "box", "sphere", "cylinder", "cone", "polygon", "stl", "terrain", NULL};
 
 /* True for an option of the type, or of one of two. With -help, all are. */
 static PetscBool Has(const MpmSolid *solid, MpmSolidType type, MpmSolidType other)
@@ -147,6 +149,8 @@ static PetscErrorCode CheckDim(const MpmOptions *block, const MpmSolid *solid)
                 "-%stype cylinder: exists in 3 dimensions only; in 2, a sphere is a disc", block->prefix);
   MpmCheckInput(!flat || solid->type != MPM_SOLID_STL,
                 "-%stype stl: exists in 3 dimensions only; in 2, there are polygons", block->prefix);
+  MpmCheckInput(!flat || solid->type != MPM_SOLID_TERRAIN, "-%stype terrain: exists in 3 dimensions only",
+                block->prefix);
   MpmCheckInput(flat || MpmOptionsHelp() || solid->type != MPM_SOLID_POLYGON,
                 "-%stype polygon: exists in 2 dimensions only", block->prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -205,7 +209,7 @@ PetscErrorCode MpmSolidRead(const MpmOptions *block, PetscInt dim, MpmSolid *sol
   if (Has(solid, MPM_SOLID_CONE, MPM_SOLID_CONE)) PetscCall(ReadCone(block, solid));
   if (Has(solid, MPM_SOLID_POLYGON, MPM_SOLID_POLYGON)) PetscCall(ReadPolygon(block, solid));
   if (Has(solid, MPM_SOLID_STL, MPM_SOLID_STL)) PetscCall(ReadTriangles(block, solid));
-  if (MpmOptionsHelp() || solid->type != MPM_SOLID_PLANE)
+  if (MpmOptionsHelp() || !Has(solid, MPM_SOLID_PLANE, MPM_SOLID_TERRAIN))
     PetscCall(MpmOptionsWord(block, "side", "where the material is", sides, MPM_OPTIONAL, &inside, NULL));
   solid->side = inside ? -1. : 1.;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -214,6 +218,8 @@ PetscErrorCode MpmSolidRead(const MpmOptions *block, PetscInt dim, MpmSolid *sol
 PetscErrorCode MpmSolidDestroy(MpmSolid *solid)
 {
   PetscFunctionBeginUser;
+  if (solid->bed) PetscCall(MpmBedDestroy(solid->bed));
+  PetscCall(PetscFree(solid->bed));
   PetscCall(PetscFree(solid->vertices));
   PetscCall(MpmTrianglesDestroy(&solid->triangles));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,7 +1,7 @@
 #pragma once
 /*
-  MpmSolid - the shape of a rigid thing at rest: half-space, box, sphere, cylinder, cone, polygon or a triangulated
-  surface, or one from outside the tree, with the distance from its surface.
+  MpmSolid - the shape of a rigid thing at rest: half-space, box, sphere, cylinder, cone, polygon, triangulated
+  surface, terrain, or one from outside the tree, with the distance from its surface.
 
   Order of calls: MpmSolidRead(), MpmSolidDistance(), MpmSolidDestroy().
 */
@@ -16,6 +16,7 @@ typedef enum {
   MPM_SOLID_CONE,
   MPM_SOLID_POLYGON,
   MPM_SOLID_STL,
+  MPM_SOLID_TERRAIN,
   MPM_SOLID_ADDED /* from outside the tree (talus/contact.h) */
 } MpmSolidType;
 
@@ -32,6 +33,7 @@ typedef struct {
   PetscInt      vertex_count;
   PetscReal    *vertices; /* x and y, counterclockwise */
   MpmTriangles  triangles;
+  MpmBed       *bed; /* of a terrain; read by its boundary */
   MpmAddedBody *added;
 } MpmSolid;
 

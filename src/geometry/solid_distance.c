@@ -1,6 +1,7 @@
 /*
   Distances from the shapes that need no search (triangles: triangles.c).
 */
+#include "maps/bed.h"
 #include "geometry/solid.h"
 #include "geometry/solid_types.h"
 #include "geometry/triangles.h"
@@ -239,6 +240,9 @@ void MpmSolidDistance(const MpmSolid *solid, PetscReal growth, const PetscReal x
     break;
   case MPM_SOLID_STL:
     MpmTrianglesDistance(solid->triangles, x, surface);
+    break;
+  case MPM_SOLID_TERRAIN:
+    MpmBedDistance(solid->bed, x, &surface->distance, surface->normal, surface->second);
     break;
   case MPM_SOLID_ADDED:
     AddedDistance(solid->added, x, surface);

@@ -164,7 +164,7 @@ static PetscErrorCode ReadRegions(const MpmOptions *block, PetscInt count, char 
 
     PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "%s%s_", block->prefix, names[k]));
     PetscCall(MpmRegionCreate(&of, field->dim, tolerance, &field->region[k]));
-    MpmCheckInput(MpmRegionGetType(field->region[k]) != MPM_REGION_FILE, "-%sregion file: is for bodies alone", prefix);
+    MpmCheckInput(MpmRegionGetType(field->region[k]) < MPM_REGION_FILE, "-%sregion file: is for bodies alone", prefix);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

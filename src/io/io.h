@@ -204,7 +204,7 @@ typedef struct MpmSummary {
     const char      *inverse; /* JSON; NULL: the task is no inverse analysis */
     const char      *fields;  /* entries of derivatives by fields, or NULL */
   } derivatives;
-  const char *runout;                    /* entries of the runout over terrain, or NULL */
+  const char *terrain;                   /* lines of flow over terrain, or NULL */
   PetscInt    changes[MPM_CHANGE_COUNT]; /* of settings that the run has made by itself */
   PetscReal   memory_max;                /* bytes, sum over ranks of each rank's maximum resident size */
 } MpmSummary;

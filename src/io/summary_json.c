@@ -122,7 +122,7 @@ static PetscErrorCode AppendSummary(MpmTextFile *text, PetscMPIInt ranks, const 
   }
   PetscCall(MpmTextFileAppend(text, "},\n"));
   PetscCall(AppendDerivatives(text, summary));
-  if (summary->runout) PetscCall(MpmTextFileAppend(text, "  \"runout\": {%s},\n", summary->runout));
+  if (summary->terrain) PetscCall(MpmTextFileAppend(text, "%s", summary->terrain));
   PetscCall(MpmTextFileAppend(text, "  \"imbalance\": "));
   PetscCall(AppendNumber(text, summary->imbalance));
   PetscCall(MpmTextFileAppend(text, ",\n"));

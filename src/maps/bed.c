@@ -151,6 +151,18 @@ PetscBool MpmBedIsMissing(const MpmBed *bed, const PetscReal x[])
                                  (PetscInt64)PetscClipInterval(u, 0., (PetscReal)(map->columns - 1))];
 }
 
+void MpmBedPatchAt(const MpmBed *bed, const PetscReal x[], MpmBedPatch *patch)
+{
+  for (PetscInt a = 0; a < 2; a++) patch->at[a] = x[a];
+  if (bed->map.value) {
+    MpmMapPatch(&bed->map, x, &patch->z, patch->slope, &patch->twist);
+    return;
+  }
+  patch->z = MpmBedHeight(bed, x);
+  for (PetscInt a = 0; a < 2; a++) patch->slope[a] = bed->plane[1 + a];
+  patch->twist = 0.;
+}
+
 PetscReal MpmBedHeight(const MpmBed *bed, const PetscReal x[])
 {
   if (bed->map.value) return MpmMapAt(&bed->map, x);

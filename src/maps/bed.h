@@ -33,3 +33,17 @@ PetscErrorCode MpmBedDestroy(MpmBed *bed);
 PetscBool MpmBedIsMissing(const MpmBed *bed, const PetscReal x[]);
 /* Height at a place, m. */
 PetscReal MpmBedHeight(const MpmBed *bed, const PetscReal x[]);
+/*
+  The bilinear patch of the bed at a place: with r = (x, y) - at, its height is z + slope.r + twist r_x r_y. Height and
+  slope are those at the place; not-a-number beside pixels without data. Beyond the outer centres it goes on level.
+*/
+typedef struct {
+  PetscReal at[2], z, slope[2], twist; /* m, m, -, 1/m */
+} MpmBedPatch;
+void MpmBedPatchAt(const MpmBed *bed, const PetscReal x[], MpmBedPatch *patch);
+/*
+  Distance of a place in space from the bilinear patch below it, positive above, its gradient, and its second
+  derivative, which is left as it is where the patch is flat. Infinite beside pixels without data.
+*/
+void MpmBedDistance(const MpmBed *bed, const PetscReal x[], PetscReal *distance, PetscReal normal[MPM_MAX_DIM],
+                    PetscReal second[MPM_MAX_DIM][MPM_MAX_DIM]);

@@ -42,6 +42,8 @@ PetscErrorCode MpmMapDestroy(MpmMap *map);
 PetscErrorCode MpmMapLike(const MpmMap *like, MpmMap *map);
 /* Bilinear between the centres of pixels, constant beyond the outer ones; not-a-number beside pixels without data. */
 PetscReal MpmMapAt(const MpmMap *map, const PetscReal x[]);
+/* Value, slopes and mixed derivative of the bilinear patch at a place; slopes across the outer edges are 0 beyond. */
+void MpmMapPatch(const MpmMap *map, const PetscReal x[], PetscReal *value, PetscReal slope[2], PetscReal *twist);
 
 /*
   MpmMapWrite - write values on the pixels of a map

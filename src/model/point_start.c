@@ -6,6 +6,7 @@
 #include "point/layout.h"
 #include "point/material.h"
 #include "grid/shape.h"
+#include "handover/handover.h"
 #include "particles/body.h"
 #include "particles/ground_points.h"
 #include "particles/particles.h"
@@ -134,6 +135,9 @@ PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscI
   PetscCall(MpmBodyReadFile(options, model->scene.bodies->names[b], model->disc.grid, model->scene.materials->at, count,
                             fields, model->scene.bodies->at[b]));
   PetscCall(PetscFree(fields));
+  if (MpmBodyHandover(model->scene.bodies->at[b]))
+    PetscCall(MpmMonitorLine(&model->monitor, "body %s: %s", model->scene.bodies->names[b],
+                             MpmBodyHandover(model->scene.bodies->at[b])->line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -260,7 +264,7 @@ static PetscBool NeedsBodies(const MpmModel model)
 {
   return (PetscBool)(!model->results->checkpoint.restart || model->scene.stages.at[0].name ||
                      model->scene.boundaries->count > 0 || model->scene.pairs->count > 0 ||
-                     model->scene.materials->grounds);
+                     model->scene.materials->grounds || MpmInflowHas(model));
 }
 
 /* Fields of one number a point that parts of the scene ask for; the first `shared` are amounts. To be freed. */
@@ -396,6 +400,7 @@ PetscErrorCode MpmPointsCreate(MpmModel model)
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
     PetscCall(MpmBoundaryCheck(&model->scene.boundaries->at[k], model->disc.grid, model->state.particles));
   PetscCall(SelectPoints(model));
+  PetscCall(MpmInflowPark(model));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));
   else PetscCall(BeginStages(model));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -38,6 +38,7 @@
 #include "schedule/rescue.h"
 #include "schedule/schedule.h"
 #include "schedule/settle.h"
+#include "schedule/stage.h"
 #include "runout/runout.h"
 #include "observe/lines.h"
 #include "observe/results.h"
@@ -268,6 +269,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
 
     material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies->at[b]));
   }
+  PetscCall(MpmInflowRead(model));
   PetscCall(MpmContactsRead(model, (PetscBool)(MpmPressureComponent(model->disc.layout) >= 0), options));
   PetscCall(MpmMemoryCheck(options, model->disc.grid, model->scene.bodies->count, model->scene.bodies->at,
                            model->scene.bodies->names));

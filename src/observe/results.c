@@ -5,6 +5,7 @@
 #include "point/layout.h"
 #include "grid/grid.h"
 #include "grid/shape.h"
+#include "handover/handover.h"
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "query/model.h"
@@ -97,6 +98,29 @@ PetscErrorCode MpmModelWriteState(MpmModel model)
 
 /* ---- summary ---- */
 
+/* Runout, and bodies made from columns or into them; NULL where there are neither. To be freed. */
+static PetscErrorCode WriteTerrain(MpmModel model, char **lines)
+{
+  const char *separator = "";
+  char       *runout;
+
+  PetscFunctionBeginUser;
+  *lines = NULL;
+  PetscCall(MpmRunoutSummary(model, &runout));
+  if (runout) PetscCall(MpmTextAppend(lines, "  \"runout\": {%s},\n", runout));
+  PetscCall(PetscFree(runout));
+  for (PetscInt b = 0; model->scene.bodies && b < model->scene.bodies->count; b++) {
+    const struct MpmHandover *from = MpmBodyHandover(model->scene.bodies->at[b]);
+
+    if (!from) continue;
+    PetscCall(MpmTextAppend(lines, "%s\"%s\": {%s}", *separator ? separator : "  \"handover\": {",
+                            model->scene.bodies->names[b], from->entries));
+    separator = ", ";
+  }
+  if (*separator) PetscCall(MpmTextAppend(lines, "},\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
 {
   MpmSummary     summary = {.status                   = status,
@@ -127,7 +151,7 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                                                          .fields    = model->results->derivatives.fields,
                                                          .objective = model->results->derivatives.objective,
                                                          .inverse   = model->results->derivatives.inverse}};
-  char           path[PETSC_MAX_PATH_LEN], *runout;
+  char           path[PETSC_MAX_PATH_LEN], *terrain;
   PetscLogDouble now;
 
   PetscFunctionBeginUser;
@@ -141,15 +165,15 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
     summary.solution.jacobian = MpmJacobianTypes[MPM_JACOBIAN_LOCAL];
     summary.solution.solver   = "direct";
   }
-  PetscCall(MpmRunoutSummary(model, &runout));
-  summary.runout = runout;
+  PetscCall(WriteTerrain(model, &terrain));
+  summary.terrain = terrain;
   PetscCall(PetscTime(&now));
   summary.time_total = now - model->results->start;
   PetscCall(PetscArraycpy(summary.time, model->monitor.seconds, MPM_TIME_COUNT));
   PetscCall(MpmSummaryReduce(model->comm, &summary));
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s_summary.json", model->scene.name.prefix));
   PetscCall(MpmSummaryWrite(model->comm, path, MPM_VERSION, &summary));
-  PetscCall(PetscFree(runout));
+  PetscCall(PetscFree(terrain));
   if (MpmTerminalShows(model)) PetscCall(MpmTerminalSummary(model->comm, &summary));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -108,7 +108,7 @@ static PetscErrorCode ReadLattice(const MpmOptions *block, const MpmGrid *grid, 
   PetscInt                 edge = 0;
 
   PetscFunctionBeginUser;
-  if (MpmRegionGetType(body->region) == MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmRegionGetType(body->region) >= MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsInts(block, "points_per_cell", "points per cell and axis", 1, 64, MPM_OPTIONAL, grid->dim,
                            body->cells.per_cell, NULL));
   PetscCall(MpmOptionsBool(
@@ -169,7 +169,7 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const MpmGrid *grid, Pet
   PetscCall(PetscFree(names));
   if (material_count) PetscCall(MpmBodyInitialCreate(&block, &materials[body->material], &body->initial));
   PetscCall(ReadLattice(&block, grid, body));
-  if (MpmRegionGetType(body->region) != MPM_REGION_FILE && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, body));
+  if (MpmRegionGetType(body->region) < MPM_REGION_FILE && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, body));
   SetLattice(grid, body);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -187,10 +187,20 @@ PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, cons
   const MpmOptions block = {options->comm, prefix, options->record};
 
   PetscFunctionBeginUser;
-  if (MpmRegionGetType(body->region) != MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmRegionGetType(body->region) < MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
-  PetscCall(MpmImportedCreate(&block, grid, &materials[body->material], field_count, fields, &body->imported));
+  if (MpmRegionGetType(body->region) > MPM_REGION_FILE || MpmOptionsHelp())
+    PetscCall(MpmImportedHandover(&block,
+                                  (PetscBool)(MpmOptionsHelp() || MpmRegionGetType(body->region) == MPM_REGION_COLUMNS),
+                                  grid, &materials[body->material], &body->imported));
+  if (MpmRegionGetType(body->region) == MPM_REGION_FILE || MpmOptionsHelp())
+    PetscCall(MpmImportedCreate(&block, grid, &materials[body->material], field_count, fields, &body->imported));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const struct MpmHandover *MpmBodyHandover(MpmBody body)
+{
+  return body->imported ? MpmImportedGetHandover(body->imported) : NULL;
 }
 
 const PetscReal *MpmBodyFileField(MpmBody body, const char *name)
@@ -215,8 +225,10 @@ PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, con
   MpmCheckInput(bed || !raster || MpmOptionsHelp(), "-%sregion raster: is for -mpm_physics depth_averaged",
                 block.prefix);
   if (!bed && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(!body->imported || MpmOptionsHelp(),
-                "-%sregion file: points on a bed are made from a region with a depth or a level", block.prefix);
+  MpmCheckInput(
+    MpmRegionGetType(body->region) != MPM_REGION_FILE && MpmRegionGetType(body->region) != MPM_REGION_COLUMNS,
+    "-%sregion: points on a bed are made from region depth, or from a region with a depth or a level", block.prefix);
+  if (body->imported && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   if (!raster || MpmOptionsHelp()) PetscCall(MpmBodyDepthCreate(&block, bed, shape, edge, &body->depth));
   if (raster || MpmOptionsHelp())
     PetscCall(

@@ -27,6 +27,8 @@ PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, cons
 const PetscReal *MpmBodyFileField(MpmBody body, const char *name);
 const PetscReal *MpmBodyFilePressure(MpmBody body, const char *name);
 PetscBool        MpmBodyFileHasMass(MpmBody body);
+/* The passage between columns and points that made its own (handover/handover.h), or NULL. */
+const struct MpmHandover *MpmBodyHandover(MpmBody body);
 /* The excess of the water's pressure that its points start with, Pa, where the physics has water. */
 PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body);
 PetscReal      MpmBodyPressure(const MpmBody body);

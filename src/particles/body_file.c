@@ -23,6 +23,7 @@
 #include "point/registry.h"
 #include "point/stress_inversion.h"
 #include "grid/grid.h"
+#include "handover/handover.h"
 #include "particles/body_file.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
@@ -39,10 +40,11 @@ typedef struct {
 } Quantity;
 
 struct _p_MpmImported {
-  PetscInt  count, quantity_count;
-  Quantity *quantity; /* by the names above, then the law's history, then the physics' fields */
-  char     *path;
-  PetscBool run; /* another run has written the file */
+  PetscInt    count, quantity_count;
+  Quantity   *quantity; /* by the names above, then the law's history, then the physics' fields */
+  char       *path;
+  PetscBool   run;      /* another run has written the file */
+  MpmHandover handover; /* of columns and depths; the quantities are its arrays then */
 };
 
 /* Leaves the points of one material of the file; a file with several needs a choice. */
@@ -165,6 +167,53 @@ static PetscErrorCode ReadQuantities(MpmPointFile file, PetscInt dim, const MpmM
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Quantities out of a passage between columns and points; of a law's history, the depth of columns alone. */
+static void TakeHandover(PetscInt dim, const MpmMaterial *material, MpmImported imported)
+{
+  MpmHandover *from = &imported->handover;
+  Quantity    *to   = imported->quantity;
+
+  imported->count = from->count;
+  to[POSITION]    = (Quantity){"position", dim, from->position};
+  to[VOLUME]      = (Quantity){"volume", 1, from->volume};
+  to[DEFORMATION] = (Quantity){"F", 9, NULL};
+  to[HALF_LENGTH] = (Quantity){"half_length", dim, from->half_length};
+  to[MASS]        = (Quantity){"mass", 1, from->mass};
+  to[STRESS]      = (Quantity){"stress", 6, from->stress};
+  to[VELOCITY]    = (Quantity){"velocity", dim, from->velocity};
+  for (size_t v = 0; v < material->info.state_count; v++) {
+    const MpmStateVariable *state = &material->info.states[v];
+
+    to[STATES + v] = (Quantity){state->name, state->kind == MPM_STATE_SYM ? 6 : 1, NULL};
+    if (from->depth && !strcmp(state->name, "depth")) to[STATES + v].value = from->depth;
+  }
+}
+
+PetscErrorCode MpmImportedHandover(const MpmOptions *block, PetscBool columns, const MpmGrid *grid,
+                                   const MpmMaterial *material, MpmImported *handle)
+{
+  MpmImported imported;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(handle));
+  imported = *handle;
+  if (columns) PetscCall(MpmHandoverColumns(block, grid, material->density, &imported->handover));
+  else PetscCall(MpmHandoverDepth(block, grid, &imported->handover));
+  if (MpmOptionsHelp()) PetscFunctionReturn(MpmImportedDestroy(handle));
+  imported->quantity_count = STATES + (PetscInt)material->info.state_count;
+  PetscCall(PetscCalloc1(imported->quantity_count, &imported->quantity));
+  TakeHandover(grid->dim, material, imported);
+  PetscCall(PetscStrallocpy(imported->handover.path ? imported->handover.path : "(maps)", &imported->path));
+  imported->run = PETSC_TRUE;
+  PetscCall(CheckPoints(block, grid, material->density, imported));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const struct MpmHandover *MpmImportedGetHandover(MpmImported imported)
+{
+  return imported->handover.position ? &imported->handover : NULL;
+}
+
 PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, const MpmMaterial *material,
                                  PetscInt field_count, const MpmFileField fields[], MpmImported *handle)
 {
@@ -198,7 +247,9 @@ PetscErrorCode MpmImportedDestroy(MpmImported *handle)
 {
   PetscFunctionBeginUser;
   if (!*handle) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt q = 0; q < (*handle)->quantity_count; q++) PetscCall(PetscFree((*handle)->quantity[q].value));
+  for (PetscInt q = 0; q < (*handle)->quantity_count && !(*handle)->handover.position; q++)
+    PetscCall(PetscFree((*handle)->quantity[q].value));
+  PetscCall(MpmHandoverDestroy(&(*handle)->handover));
   PetscCall(PetscFree((*handle)->quantity));
   PetscCall(PetscFree((*handle)->path));
   PetscCall(PetscFree(*handle));
@@ -334,7 +385,11 @@ PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const 
     TakeGeometry(imported, grid->dim, MpmMaterialDensity(material, initial.own), row, p, points);
     for (PetscInt k = 0; k < state_size; k++) state[k] = points->state[p * state_size + k];
     has_state = TakeState(imported, material, grid->dim, row, state);
-    if (TakeStress(imported, &initial, row, has_state, p, points, state) == 2) failed++;
+    if (TakeStress(imported, &initial, row, has_state, p, points, state) == 2) {
+      if (!imported->handover.position) failed++; /* columns start with a stress where the law has it */
+      for (PetscInt c = 0; imported->handover.position && c < MpmSymSize(grid->dim); c++)
+        points->stress[p * MpmSymSize(grid->dim) + c] = 0.;
+    }
     for (PetscInt k = 0; k < state_size; k++) points->state[p * state_size + k] = state[k];
   }
   PetscCall(PetscFree(state));

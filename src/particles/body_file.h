@@ -14,8 +14,13 @@ typedef struct {
 } MpmFileField;
 PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, const MpmMaterial *material,
                                  PetscInt field_count, const MpmFileField fields[], MpmImported *imported);
-PetscErrorCode MpmImportedDestroy(MpmImported *imported);
-PetscInt       MpmImportedCount(MpmImported imported);
+/* Of region columns, or of region depth (handover/handover.h). */
+PetscErrorCode MpmImportedHandover(const MpmOptions *block, PetscBool columns, const MpmGrid *grid,
+                                   const MpmMaterial *material, MpmImported *imported);
+/* NULL: the points come from a file as they are. */
+const struct MpmHandover *MpmImportedGetHandover(MpmImported imported);
+PetscErrorCode            MpmImportedDestroy(MpmImported *imported);
+PetscInt                  MpmImportedCount(MpmImported imported);
 /* Row by row, or NULL where the file has none. */
 const PetscReal *MpmImportedVelocity(MpmImported imported);
 /* Values of one of the fields. */

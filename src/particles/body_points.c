@@ -4,6 +4,7 @@
 #include "geometry/geometry.h"
 #include "point/material.h"
 #include "grid/grid.h"
+#include "handover/handover.h"
 #include "particles/body.h"
 #include "particles/body_data.h"
 #include "particles/body_initial.h"
@@ -206,6 +207,16 @@ static void Turn(const PetscReal spin[3], PetscInt dim, const PetscReal r[], Pet
   if (dim == 3) v[2] = spin[0] * r[1] - spin[1] * r[0];
 }
 
+/* Affine velocity over its gradient, on an axis: 1, or the second moment of a point's weights, m2. */
+static PetscReal Moment(const MpmBody body, const MpmGrid *grid, const MpmPoints *points, PetscInt p, PetscInt b)
+{
+  const PetscReal h = grid->h[b];
+  const PetscReal l =
+    body->motion.averaged && points->domain.half_length ? points->domain.half_length[p * grid->dim + b] : 0.;
+
+  return body->motion.degree < 2 ? 1. : (PetscReal)(body->motion.degree + 1) * h * h / 12. + l * l / 3.;
+}
+
 /*
   A body that spins about its centre of mass. A point's affine velocity is W D with v = W r: for splines of degree p >=
   2 over a domain of half-length l the second moment is D = (p + 1) h^2/12 + l^2/3; for linear ones W itself is kept.
@@ -233,12 +244,9 @@ static PetscErrorCode FillSpin(const MpmBody body, PetscInt number, const MpmGri
     Turn(body->motion.spin, dim, r, v);
     for (PetscInt a = 0; a < dim; a++) points->motion.velocity[p * dim + a] += v[a];
     for (PetscInt b = 0; points->motion.affine && b < dim; b++) {
-      const PetscReal h = grid->h[b], l = body->motion.averaged && points->domain.half_length
-                                            ? points->domain.half_length[p * dim + b]
-                                            : 0.;
-      PetscReal       unit[MPM_MAX_DIM] = {0., 0., 0.};
+      PetscReal unit[MPM_MAX_DIM] = {0., 0., 0.};
 
-      unit[b] = body->motion.degree < 2 ? 1. : (PetscReal)(body->motion.degree + 1) * h * h / 12. + l * l / 3.;
+      unit[b] = Moment(body, grid, points, p, b);
       Turn(body->motion.spin, dim, unit, v);
       for (PetscInt a = 0; a < dim; a++) points->motion.affine[(p * dim + a) * dim + b] = v[a];
     }
@@ -268,6 +276,15 @@ static PetscErrorCode FillMotion(PetscInt body_count, const MpmBody bodies[], co
   }
   if (points->motion.affine) PetscCall(PetscArrayzero(points->motion.affine, points->count * dim * dim));
   if (points->motion.acceleration) PetscCall(PetscArrayzero(points->motion.acceleration, points->count * dim));
+  for (PetscInt p = 0; p < points->count; p++, row++) {
+    const MpmBody             body = bodies[body_of[p]];
+    const struct MpmHandover *from = MpmBodyHandover(body);
+
+    if (!p || body_of[p] != body_of[p - 1]) row = 0;
+    for (PetscInt k = 0; points->motion.affine && from && from->gradient && k < dim * dim; k++)
+      points->motion.affine[p * dim * dim + k] =
+        from->gradient[row * dim * dim + k] * Moment(body, grid, points, p, k % dim);
+  }
   for (PetscInt b = 0; b < body_count; b++) PetscCall(FillSpin(bodies[b], b, grid, materials, body_of, points));
   PetscCall(PetscFree(body_of));
   PetscFunctionReturn(PETSC_SUCCESS);

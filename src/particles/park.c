@@ -75,6 +75,17 @@ static PetscErrorCode Park(MpmParticles *particles, PetscInt count, const PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmParticlesTakeOut(MpmParticles *particles, PetscInt count, const PetscInt index[], MpmParked *parked)
+{
+  PetscFunctionBeginUser;
+  if (parked) PetscCall(Park(particles, count, index, parked));
+  PetscCall(MpmParticlesRelease(particles));
+  /* the last point takes the place of the one that goes, so from the end */
+  while (count--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, index[count]));
+  PetscCall(CountTotal(particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked)
 {
   PetscInt *id, *index, count, found = 0;
@@ -86,12 +97,8 @@ PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, Petsc
   for (PetscInt p = 0; p < count; p++)
     if (id[p] >= first && id[p] < end) index[found++] = p;
   PetscCall(MpmParticlesRestoreField(particles, &id));
-  if (parked) PetscCall(Park(particles, found, index, parked));
-  PetscCall(MpmParticlesRelease(particles));
-  /* the last point takes the place of the one that goes, so from the end */
-  while (found--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, index[found]));
+  PetscCall(MpmParticlesTakeOut(particles, found, index, parked));
   PetscCall(PetscFree(index));
-  PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -65,6 +65,8 @@ PetscErrorCode MpmParticlesRelease(MpmParticles *particles);
 PetscErrorCode MpmParticlesMigrate(MpmParticles *particles, MpmGrid *grid);
 /* Takes the points with ids in [first, end) out; `parked` keeps them on this rank, NULL: they are gone. */
 PetscErrorCode MpmParticlesRemove(MpmParticles *particles, PetscInt first, PetscInt end, MpmParked *parked);
+/* Takes these points of this rank out, ascending. Collective. */
+PetscErrorCode MpmParticlesTakeOut(MpmParticles *particles, PetscInt count, const PetscInt index[], MpmParked *parked);
 /*
   Points outside of the grid, or where the bed, NULL where there is none, has no data: `here` of this rank, at the
   places `outside`, in ascending order, to be freed; `count` over all ranks. The second function removes points, on all

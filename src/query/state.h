@@ -129,19 +129,20 @@ typedef struct {
   MpmDynamics         *dynamics; /* velocities at the nodes; NULL before the first dynamic step */
   MpmSdirk            *sdirk;    /* the first sub-step of `second`; NULL before its first step */
   MpmStepError         error;
-  PetscBool            met;  /* contact has been near since the stage began, see dynamics.c */
-  PetscReal   load_at_start; /* fraction of a step's loads that is its start's, by the generalised-alpha method */
-  PetscReal   behind;        /* s, how far the points' velocities are behind their places: explicit steps */
-  PetscBool   water_held;    /* the pressure of the water is not solved for: geostatic stages */
-  MpmEnergy   energy;
-  MpmSlide    slide;
-  MpmFading  *fading;   /* per body: whether it is being taken away */
-  MpmParked  *parked;   /* per body: points that a later stage adds */
-  PetscBool   put_back; /* the points were restored after the last step, which kept their stress (geostatic.c) */
-  MpmRescuing rescuing;
-  MpmSettling settling;
-  MpmWaterRun water;
-  PetscReal   load_scale; /* fraction of its loads that a geostatic stage applies; otherwise 1 */
+  PetscBool            met;        /* contact has been near since the stage began, see dynamics.c */
+  PetscReal         load_at_start; /* fraction of a step's loads that is its start's, by the generalised-alpha method */
+  PetscReal         behind;        /* s, how far the points' velocities are behind their places: explicit steps */
+  PetscBool         water_held;    /* the pressure of the water is not solved for: geostatic stages */
+  MpmEnergy         energy;
+  MpmSlide          slide;
+  MpmFading        *fading;   /* per body: whether it is being taken away */
+  MpmParked        *parked;   /* per body: points that a later stage adds */
+  struct MpmInflow *inflow;   /* columns that come in later (inflow.c); NULL: there are none */
+  PetscBool         put_back; /* the points were restored after the last step, which kept their stress (geostatic.c) */
+  MpmRescuing       rescuing;
+  MpmSettling       settling;
+  MpmWaterRun       water;
+  PetscReal         load_scale; /* fraction of its loads that a geostatic stage applies; otherwise 1 */
 } MpmScheme;
 
 /* Lengths of steps, s. */

@@ -12,6 +12,7 @@
     points    a region: the points in it at the start are the contact candidates
 */
 #include "options/options.h"
+#include "maps/bed.h"
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "rigid/added_body.h"
@@ -34,7 +35,7 @@ static PetscErrorCode ReadPoints(const MpmOptions *options, const char *name, co
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_boundary_%s_points_", name));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &boundary->region));
-  MpmCheckInput(MpmOptionsHelp() || MpmRegionGetType(boundary->region) != MPM_REGION_FILE,
+  MpmCheckInput(MpmOptionsHelp() || MpmRegionGetType(boundary->region) < MPM_REGION_FILE,
                 "-%sregion file: only bodies are read from files", prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -110,6 +111,21 @@ static PetscErrorCode ReadMethod(const MpmOptions *block, MpmBoundary *boundary)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The bed of a terrain. */
+static PetscErrorCode ReadTerrain(const MpmOptions *options, const MpmGrid *grid, MpmSolid *solid)
+{
+  PetscBool map, plane;
+
+  PetscFunctionBeginUser;
+  if (solid->type != MPM_SOLID_TERRAIN || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOptionsHas(options, "terrain_file", &map));
+  PetscCall(MpmOptionsHas(options, "bed", &plane));
+  MpmCheckInput(map || plane, "-mpm_terrain_file is missing: a boundary of type terrain needs it, or -mpm_bed");
+  PetscCall(PetscNew(&solid->bed));
+  PetscCall(MpmBedRead(options, grid->lower, grid->upper, solid->bed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Names of the fields in which points keep something of its contact. */
 static PetscErrorCode NameFields(MpmBoundary *boundary, PetscBool tears)
 {
@@ -146,6 +162,7 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   boundary->penalty = 500.;
   PetscCall(MpmOptionsHeading(&block, "Boundary"));
   PetscCall(MpmSolidRead(&block, grid->dim, &boundary->solid));
+  PetscCall(ReadTerrain(options, grid, &boundary->solid));
   PetscCall(MpmAddedBodyRead(&block, boundary->name, &boundary->solid));
   PetscCall(MpmOptionsBool(&block, "drained",
                            "water passes where the material touches it, at the pressure of open water there, or none",

@@ -62,6 +62,7 @@ PetscErrorCode MpmStagesDestroy(MpmModel model)
     PetscCall(PetscFree(model->state.scheme.parked[b].data));
   PetscCall(PetscFree(model->scene.stages.at));
   PetscCall(PetscFree(model->state.scheme.parked));
+  PetscCall(MpmInflowDestroy(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -20,6 +20,13 @@ PetscBool      MpmRemovalBegin(MpmModel model, const MpmStage *stage, PetscInt b
 PetscErrorCode MpmRemovalSet(MpmModel model, PetscReal time, MpmOutcome *outcome);
 PetscErrorCode MpmRemovalCommit(MpmModel model);
 void           MpmRemovalResume(MpmModel model);
+/* Points of columns that come in later (inflow.c): true where the scene has any; their number in the state, once bodies
+   have been read; aside once all points are there; in at the start of a step, when their time has come. */
+PetscBool      MpmInflowHas(const MpmModel model);
+PetscErrorCode MpmInflowRead(MpmModel model);
+PetscErrorCode MpmInflowPark(MpmModel model);
+PetscErrorCode MpmInflowEnter(MpmModel model, MpmOutcome *outcome);
+PetscErrorCode MpmInflowDestroy(MpmModel model);
 /* Closes the gap beneath a body that joins, or refuses the body (fill_gap.c). Its points are there. Collective. */
 PetscErrorCode MpmGapClose(MpmModel model, PetscInt body, const char stage[]);
 /* Materials of a stage's bodies from here on: stress, mass and shape stay (change_material.c). */

@@ -60,6 +60,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
   MpmOutcomeClear(outcome);
   if (!again) model->state.scheme.error.refused = 0.;
   PetscCall(MpmReductionApply(model, time));
+  if (model->state.scheme.inflow && !again) PetscCall(MpmInflowEnter(model, outcome));
   if (removes) PetscCall(MpmRemovalSet(model, time, outcome));
   if (!outcome->code) PetscCall(integrator->begin(model, time, dt, (PetscBool)(again && !removes), outcome));
   if (!outcome->code) {
