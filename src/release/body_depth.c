@@ -103,8 +103,14 @@ static PetscReal Height(MpmBodyDepth depth, const MpmGrid *grid, const PetscReal
   return height;
 }
 
+#define ROUNDING 1e-9 /* of a cell: depths from maps that are none */
+
 PetscReal MpmBodyDepthAt(MpmBodyDepth depth, const MpmGrid *grid, const PetscReal x[], const PetscReal half[])
 {
+  PetscReal from_map;
+
   if (depth->to_level) return depth->level - Height(depth, grid, x, half);
-  return depth->map.value ? MpmMapAt(&depth->map, x) : depth->depth;
+  if (!depth->map.value) return depth->depth;
+  from_map = MpmMapAt(&depth->map, x);
+  return from_map > ROUNDING * grid->h[0] ? from_map : 0.;
 }
