@@ -1,7 +1,7 @@
 # How constitutive laws and physics are compiled, in the tree and outside of it.
 
-# The instances of a kernel, kinematics:name:form. Here and nowhere else. The name is the number of derivative directions; physics
-# are not compiled in the form SENSITIVITY. Numbers of the kinematics are those of MpmKinematics.
+# The instances of a kernel, kinematics:name:form. Here and nowhere else. The name is the number of derivative directions; few
+# physics are compiled in the form SENSITIVITY. Numbers of the kinematics are those of MpmKinematics.
 set(TALUS_INSTANCES
   2d:0:RESIDUAL 2d:1:DIRECTION 2d:4:TANGENT 2d:sensitivity:SENSITIVITY
   3d:0:RESIDUAL 3d:1:DIRECTION 3d:9:TANGENT 3d:sensitivity:SENSITIVITY

@@ -178,8 +178,10 @@ static double MpmMaterialK0_drucker_prager(const double *parameter, const MpmLaw
   return 1. - sin(parameter[FRICTION] * 3.14159265358979323846 / 180.);
 }
 
+MPM_LAW_MODULI(drucker_prager, parameters, states, ElasticModuli)
+
 MPM_LAW_DEFINE(drucker_prager, parameters, states, MpmMaterialEvaluate_drucker_prager,
                .summary = "Drucker-Prager plasticity with cohesion, dilation and volume correction",
                .traits  = MPM_LAW_PLASTIC | MPM_LAW_FIXED_MODULI | MPM_LAW_VOLUME,
                .check = MpmMaterialCheck_drucker_prager, .stiffness = ElasticStiffness,
-               .shear_modulus = ElasticShearModulus, .k0 = MpmMaterialK0_drucker_prager)
+               .shear_modulus = ElasticShearModulus, .k0 = MpmMaterialK0_drucker_prager, MPM_MODULI(drucker_prager))

@@ -31,7 +31,9 @@ MPM_FN int MpmMaterialEvaluate_hencky(const MpmLawPoint *point, const Tensor *dF
   return 0;
 }
 
+MPM_LAW_MODULI(hencky, parameters, states, ElasticModuli)
+
 MPM_LAW_DEFINE(hencky, parameters, states, MpmMaterialEvaluate_hencky,
                .summary = "large-strain elasticity, linear in the logarithmic strain",
                .traits = MPM_LAW_SYMMETRIC | MPM_LAW_FIXED_MODULI, .stiffness = ElasticStiffness,
-               .shear_modulus = ElasticShearModulus)
+               .shear_modulus = ElasticShearModulus, MPM_MODULI(hencky))

@@ -68,7 +68,10 @@ static double ShearStrength(const double *parameter, const double *state)
   return (parameter[YIELD_STRESS] + parameter[HARDENING] * state[STATE_ALPHA]) / sqrt(3.);
 }
 
+MPM_LAW_MODULI(j2, parameters, states, ElasticModuli)
+
 MPM_LAW_DEFINE(j2, parameters, states, MpmMaterialEvaluate_j2,
                .summary   = "von Mises plasticity with linear isotropic hardening",
                .traits    = MPM_LAW_SYMMETRIC | MPM_LAW_PLASTIC | MPM_LAW_FIXED_MODULI | MPM_LAW_VOLUME,
-               .stiffness = ElasticStiffness, .shear_modulus = ElasticShearModulus, .shear_strength = ShearStrength)
+               .stiffness = ElasticStiffness, .shear_modulus = ElasticShearModulus, .shear_strength = ShearStrength,
+               MPM_MODULI(j2))

@@ -39,10 +39,13 @@ MPM_FN int MpmMaterialEvaluate_linear_elastic(const MpmLawPoint *point, const Te
   return 0;
 }
 
+/* Shear modulus and stiffness with their derivatives, for runs with water that are differentiated. */
+MPM_LAW_MODULI(linear_elastic, parameters, states, ElasticModuli)
+
 /* Name (that of this file, and the option's value), tables, kernel; then members of MpmLawInfo: one line for -help,
    traits, constrained and shear modulus at a state, and, in other laws, .check of parameters against each other and
    more. */
 MPM_LAW_DEFINE(linear_elastic, parameters, states, MpmMaterialEvaluate_linear_elastic,
                .summary = "linear elasticity at small strain",
                .traits = MPM_LAW_SYMMETRIC | MPM_LAW_SMALL_STRAIN | MPM_LAW_FIXED_MODULI, .stiffness = ElasticStiffness,
-               .shear_modulus = ElasticShearModulus)
+               .shear_modulus = ElasticShearModulus, MPM_MODULI(linear_elastic))

@@ -413,10 +413,12 @@ static Real MpmMaterialDilatancy_mohr_coulomb(const Real *parameter, const MpmLa
 
 MPM_LAW_DILATANCY(mohr_coulomb, parameters, states, MpmMaterialDilatancy_mohr_coulomb)
 
+MPM_LAW_MODULI(mohr_coulomb, parameters, states, ElasticModuli)
+
 MPM_LAW_DEFINE(mohr_coulomb, parameters, states, MpmMaterialEvaluate_mohr_coulomb,
                .summary = "Mohr-Coulomb plasticity with dilation, tension cut-off and softening",
                .traits  = MPM_LAW_PLASTIC | MPM_LAW_FIXED_MODULI | MPM_LAW_VOLUME,
                .check = MpmMaterialCheck_mohr_coulomb, .stiffness = ElasticStiffness,
                .shear_modulus = ElasticShearModulus, .symmetric = MpmMaterialSymmetric_mohr_coulomb,
                .history = ElasticHistory, .k0 = MpmMaterialK0_mohr_coulomb,
-               MPM_DILATANCY(mohr_coulomb, MpmMaterialDilatancy_mohr_coulomb))
+               MPM_DILATANCY(mohr_coulomb, MpmMaterialDilatancy_mohr_coulomb), MPM_MODULI(mohr_coulomb))

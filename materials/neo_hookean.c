@@ -99,17 +99,34 @@ static double MpmMaterialStiffness_neo_hookean(const double *parameter, const Mp
 }
 
 /* d tau_xy/d gamma_xy is mu (b_xx + b_yy)/2, `isochoric`: mu J^{-2/3} (b_xx + b_yy)/2; mu tr(b)/3 over all planes */
+MPM_FN Real MeanShear(const Real *parameter, const Real *F)
+{
+  const Tensor stretch = TensorFromArray(F);
+  Real         mean    = MPM_NORMALS == 2 ? 1. / 3. : 0.;
+
+  for (int i = 0; i < MPM_TENSOR; i++) mean += F[i] * F[i] / 3.;
+  if (RealValue(parameter[SHEAR]) > 0.5) mean /= RealPow(TensorDetReal(&stretch), 2. / 3.);
+  return mean * LameFromParameters(parameter).mu;
+}
+
 static double MpmMaterialShearModulus_neo_hookean(const double *parameter, const MpmLawTable *table,
                                                   const double *state, const double *F)
 {
-  double mean = MPM_NORMALS == 2 ? 1. / 3. : 0.;
+  Real real[SHEAR + 1], stretch[MPM_TENSOR];
 
   (void)table, (void)state;
   if (!F) return RealValue(LameFromValues(parameter).mu);
-  for (int i = 0; i < MPM_TENSOR; i++) mean += F[i] * F[i] / 3.;
-  if (parameter[SHEAR] > 0.5) mean /= pow(MpmDeterminant(MPM_TENSOR, F), 2. / 3.);
-  return mean * RealValue(LameFromValues(parameter).mu);
+  for (int k = 0; k <= SHEAR; k++) real[k] = parameter[k];
+  for (int k = 0; k < MPM_TENSOR; k++) stretch[k] = F[k];
+  return RealValue(MeanShear(real, stretch));
 }
+
+MPM_FN void Moduli(const Real *parameter, const Real *state, const Real *F, Real moduli[3])
+{
+  ElasticModuli(parameter, state, F, moduli);
+  moduli[0] = MeanShear(parameter, F);
+}
+MPM_LAW_MODULI(neo_hookean, parameters, states, Moduli)
 
 /* psi */
 static double MpmMaterialEnergy_neo_hookean(const double *parameter, const MpmLawTable *table, const double *tau,
@@ -129,4 +146,4 @@ static double MpmMaterialEnergy_neo_hookean(const double *parameter, const MpmLa
 MPM_LAW_DEFINE(neo_hookean, parameters, states, MpmMaterialEvaluate_neo_hookean,
                .summary = "compressible neo-Hookean elasticity", .traits = MPM_LAW_SYMMETRIC,
                .stiffness = MpmMaterialStiffness_neo_hookean, .shear_modulus = MpmMaterialShearModulus_neo_hookean,
-               .energy = MpmMaterialEnergy_neo_hookean)
+               .energy = MpmMaterialEnergy_neo_hookean, MPM_MODULI(neo_hookean))

@@ -30,7 +30,7 @@
 #include "poro.h"
 
 /* The fluxes, and J. */
-MPM_FN int PoroFluxes(const MpmKernelPoint *point, const Scalar input[], Scalar *J, Scalar flux[])
+MPM_FN int PoroFluxes(const KernelPoint *point, const Scalar input[], Scalar *J, Scalar flux[])
 {
   const Tensor dF = TensorFromGradient(input);
   Sym          tau, total;
@@ -45,7 +45,7 @@ MPM_FN int PoroFluxes(const MpmKernelPoint *point, const Scalar input[], Scalar 
 }
 
 #if MPM_DIRECTIONS < 2
-static int PoroKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+static int PoroKernel(const KernelPoint *point, const Scalar input[], Scalar flux[])
 {
   Scalar J;
 
@@ -53,7 +53,7 @@ static int PoroKernel(const MpmKernelPoint *point, const Scalar input[], Scalar 
 }
 #else
 /* With directions for dF alone, which is what laws are compiled for: what p does to the stress is what dF does to J. */
-static int PoroKernelTangent(const MpmKernelPoint *point, const double input[], double flux[], double tangent[])
+static int PoroKernelTangent(const KernelPoint *point, const double input[], double flux[], double tangent[])
 {
   Scalar in[PORO_INPUTS], out[PORO_INPUTS], J;
 

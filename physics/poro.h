@@ -32,45 +32,65 @@ enum {
 };
 
 /* J as mass counts it: det F, or 1 + tr(F - I) at small strain. */
-MPM_FN double PoroVolume(const MpmKernelPoint *point, const double *F)
+MPM_FN Real PoroVolume(const KernelPoint *point, const Real *F)
 {
-  double trace = 1.;
+  Real trace = 1.;
 
-  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN)) return ArrayDetValue(F);
+  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN)) {
+    const Tensor stretch = TensorFromArray(F);
+
+    return TensorDetReal(&stretch);
+  }
   for (int a = 0; a < MPM_NORMALS; a++) trace += F[MPM_NORMAL_AT(a)] - 1.;
   return trace;
 }
 
 /* The volume ratio of F_{n+1} = dF F_n, with its derivatives. */
-MPM_FN Scalar PoroNewVolume(const MpmKernelPoint *point, const Tensor *dF)
+MPM_FN Scalar PoroNewVolume(const KernelPoint *point, const Tensor *dF)
 {
   if (!(point->material.traits & MPM_LAW_SMALL_STRAIN))
-    return ScalarScale(ArrayDetValue(point->F_n), TensorDetByCofactors(dF));
+    return ScalarScale(PoroVolume(point, point->F_n), TensorDetByCofactors(dF));
   return ScalarShift(TensorTraceMulArray(dF, point->F_n), 1. - MPM_NORMALS);
 }
 
 /* tau' - J p I, or sigma' - p I at small strain */
-MPM_FN Sym PoroTotalStress(const MpmKernelPoint *point, const Sym *tau, Scalar J, Scalar p)
+MPM_FN Sym PoroTotalStress(const KernelPoint *point, const Sym *tau, Scalar J, Scalar p)
 {
   return SymShift(tau, ScalarNeg(point->material.traits & MPM_LAW_SMALL_STRAIN ? p : ScalarMul(J, p)));
 }
 
 /* The part of the initial volume that is grains; it stays. */
-MPM_FN double PoroGrains(const MpmKernelPoint *point)
+MPM_FN Real PoroGrains(const KernelPoint *point)
 {
-  return (1. - point->own_n[PORO_STATE_POROSITY]) * PoroVolume(point, point->F_n);
+  return (1. - KernelAt(point, own_n, PORO_STATE_POROSITY)) * PoroVolume(point, point->F_n);
 }
 
 /* Water that an initial volume has taken up, at the density without pressure: (J - s)(1 + p/K_w) - (1 - s). */
-MPM_FN Scalar PoroContent(const MpmKernelPoint *point, double grains, Scalar J, Scalar p)
+MPM_FN Scalar PoroContent(const KernelPoint *point, Real grains, Scalar J, Scalar p)
 {
-  const double compliance = 1. / point->physics_parameter[PORO_MODULUS];
+  const Real compliance = 1. / KernelAt(point, physics_parameter, PORO_MODULUS);
 
   if (point->material.traits & MPM_LAW_SMALL_STRAIN)
     return ScalarAdd(ScalarShift(J, -1.), ScalarScale((1. - grains) * compliance, p));
-  if (compliance == 0.) return ScalarShift(J, -1.);
+  if (RealVanishes(compliance)) return ScalarShift(J, -1.);
   return ScalarShift(ScalarMul(ScalarShift(J, -grains), ScalarShift(ScalarScale(compliance, p), 1.)), grains - 1.);
 }
+
+/* The least flow over all axes through a cell, over its volume, for a difference of pressure of one; `factor`
+   multiplies the permeability. */
+MPM_FN Real PoroThrough(const KernelPoint *point, Real factor)
+{
+  Real least = HUGE_VAL;
+
+  for (int a = 0; a < MPM_DIM; a++) {
+    const Real through =
+      KernelAt(point, physics_parameter, PORO_MOBILITY + a) * factor / (point->cell[a] * point->cell[a]);
+
+    if (RealValue(through) < RealValue(least)) least = through;
+  }
+  return least;
+}
+
 #define PORO_KEPT 1e-10 /* of what flows through a cell for a difference of pressure of one */
 
 /*
@@ -78,50 +98,55 @@ MPM_FN Scalar PoroContent(const MpmKernelPoint *point, double grains, Scalar J, 
   in which any pressure is steady, keeps its own. Over n cells it changes a steady pressure by the fraction n^2
   PORO_KEPT.
 */
-MPM_FN double PoroKept(const MpmKernelPoint *point)
+MPM_FN Real PoroKept(const KernelPoint *point)
 {
-  double through = HUGE_VAL;
-
-  for (int a = 0; a < MPM_DIM; a++)
-    through = fmin(through, point->physics_parameter[PORO_MOBILITY + a] / (point->cell[a] * point->cell[a]));
-  return PORO_KEPT * point->dt * through;
+  return PORO_KEPT * point->dt * PoroThrough(point, 1.);
 }
 
+#if MPM_DIRECTIONS > 1
 /* Its derivative by p. */
-MPM_FN double PoroContentByPressure(const MpmKernelPoint *point, double J)
+MPM_FN double PoroContentByPressure(const KernelPoint *point, double J)
 {
   const double volume = point->material.traits & MPM_LAW_SMALL_STRAIN ? 1. : J;
 
   if (point->material.traits & MPM_POINT_DRAINED) return PoroKept(point);
   return (volume - PoroGrains(point)) / point->physics_parameter[PORO_MODULUS];
 }
-MPM_FN double PoroContentValue(const MpmKernelPoint *point, double grains, const double *F, double p)
+#endif
+
+MPM_FN Real PoroContentReal(const KernelPoint *point, Real grains, const Real *F, Real p)
 {
-  return ScalarValue(PoroContent(point, grains, ScalarConstant(PoroVolume(point, F)), ScalarConstant(p)));
+  return ScalarReal(PoroContent(point, grains, ScalarConstant(PoroVolume(point, F)), ScalarConstant(p)));
+}
+
+/* Content at the end of the first of two stages. */
+MPM_FN Real PoroContentFirst(const KernelPoint *point, Real grains)
+{
+  Real F[MPM_TENSOR];
+
+  if (!point->stage) return 0.;
+  for (int k = 0; k < MPM_TENSOR; k++) F[k] = KernelStageAt(point, F, k);
+  return PoroContentReal(point, grains, F, KernelStageAt(point, value, 0));
+}
+
+MPM_FN Real PoroDeviationFirst(const KernelPoint *point)
+{
+  return point->stage ? KernelStageAt(point, deviation, 0) : (Real)0.;
 }
 
 /* A quantity that counts from the step's start, or in the second of two stages from that and the first stage's end. */
-MPM_FN double PoroReference(const MpmKernelPoint *point, double start, double stage)
+MPM_FN Real PoroReference(const KernelPoint *point, Real start, Real stage)
 {
   return point->stage ? start + point->stage->theta * (stage - start) : start;
 }
 
-/* The elastic shear modulus at a state, NULL for rest; a third of the stiffness where the law does not provide it. */
-MPM_FN double PoroShear(const MpmKernelPoint *point, const double *state, const double *F)
-{
-  const MpmLawInfo *info = point->material.info;
-
-  if (info->shear_modulus) return info->shear_modulus(point->material.parameter, point->material.table, state, F);
-  return info->stiffness(point->material.parameter, point->material.table, state, F) / 3.;
-}
-
 /* Factor on the permeability. Non-zero where there are no pores. */
-MPM_FN int PoroPermeabilityFactor(const MpmKernelPoint *point, double grains, Scalar J, Scalar *factor)
+MPM_FN int PoroPermeabilityFactor(const KernelPoint *point, Real grains, Scalar J, Scalar *factor)
 {
   const Scalar porosity = ScalarShift(ScalarDiv(ScalarConstant(-grains), J), 1.);
 
   if (!(ScalarValue(porosity) > 0. && ScalarValue(J) > 0.)) return 1;
-  switch ((int)point->physics_parameter[PORO_PERMEABILITY_LAW]) {
+  switch ((int)RealValue(KernelAt(point, physics_parameter, PORO_PERMEABILITY_LAW))) {
   case PORO_KOZENY_CARMAN: {
     const Scalar ratio = ScalarScale(1. / (1. - grains), porosity);
 
@@ -129,9 +154,7 @@ MPM_FN int PoroPermeabilityFactor(const MpmKernelPoint *point, double grains, Sc
     break;
   }
   case PORO_UZUOKA_BORJA: {
-    const double modulus =
-      point->material.info->stiffness(point->material.parameter, point->material.table, NULL, NULL);
-    const double mu     = PoroShear(point, NULL, NULL);
+    const Real   mu = KernelModulus(point, 1), modulus = KernelModulus(point, 2);
     const Scalar square = ScalarSquare(J);
     /* J^2 M(J) = mu (1 + J^2) + lambda (1 - ln J) */
     const Scalar scaled = ScalarAdd(ScalarScale(mu, ScalarShift(square, 1.)),
@@ -151,16 +174,17 @@ MPM_FN int PoroPermeabilityFactor(const MpmKernelPoint *point, double grains, Sc
   The flux of grad p, -dt V_0 J dF^{-1} m (dF^{-T} grad p - rho_w g), and Darcy's velocity where it is requested; at
   small strain gradients are those by the initial position. `factor` multiplies the permeability.
 */
-MPM_FN void PoroSeepage(const MpmKernelPoint *point, const Tensor *dF, Scalar factor, const Scalar gradient[],
+MPM_FN void PoroSeepage(const KernelPoint *point, const Tensor *dF, Scalar factor, const Scalar gradient[],
                         Scalar flux[])
 {
-  const int     small    = point->material.traits & MPM_LAW_SMALL_STRAIN;
-  const double *physics  = point->physics_parameter;
-  const Tensor  cofactor = TensorCofactor(dF), F_n = TensorFromArray(point->F_n);
-  const Scalar  inverse = ScalarDiv(ScalarConstant(1.), TensorCofactorDet(dF, &cofactor));
+  const int    small    = point->material.traits & MPM_LAW_SMALL_STRAIN;
+  const Real   density  = KernelAt(point, physics_parameter, PORO_DENSITY);
+  const Tensor cofactor = TensorCofactor(dF), F_n = TensorFromArray(point->F_n);
+  const Scalar inverse = ScalarDiv(ScalarConstant(1.), TensorCofactorDet(dF, &cofactor));
   /* gradients by x or X: a row of `map` for each axis, times `scale` */
   const Tensor map   = small ? TensorTranspose(&F_n) : cofactor;
-  const double outer = -point->dt * point->volume0 * (small ? 1. : ArrayDetValue(point->F_n));
+  const Real   J_n   = small ? 1. : PoroVolume(point, point->F_n);
+  const Real   outer = -point->dt * point->volume0 * J_n;
 
   for (int b = 0; b < MPM_DIM; b++) flux[b] = ScalarConstant(0.);
   for (int a = 0; a < MPM_DIM; a++) {
@@ -168,11 +192,11 @@ MPM_FN void PoroSeepage(const MpmKernelPoint *point, const Tensor *dF, Scalar fa
 
     for (int b = 0; b < MPM_DIM; b++) slope = ScalarAdd(slope, ScalarMul(map.a[a * MPM_DIM + b], gradient[b]));
     if (!small) slope = ScalarMul(slope, inverse);
-    q = ScalarShift(slope, -physics[PORO_DENSITY] * point->gravity[a]);
-    q = ScalarScale(physics[PORO_MOBILITY + a], ScalarMul(factor, q));
+    q = ScalarShift(slope, -density * KernelAt(point, gravity, a));
+    q = ScalarScale(KernelAt(point, physics_parameter, PORO_MOBILITY + a), ScalarMul(factor, q));
     for (int b = 0; b < MPM_DIM; b++)
       flux[b] = ScalarAdd(flux[b], ScalarScale(outer, ScalarMul(map.a[a * MPM_DIM + b], q)));
-    if (point->end.F) point->end.own[PORO_STATE_FLUX + a] = -ScalarValue(q);
+    KernelKeepOwn(point, PORO_STATE_FLUX + a, -ScalarReal(q));
   }
 }
 
@@ -183,45 +207,42 @@ MPM_FN void PoroSeepage(const MpmKernelPoint *point, const Tensor *dF, Scalar fa
   these have a gradient of 2/h, so that the flow's 4 x, x = 2 mu dt m/h^2, stands beside the projection's 0.3/(1 + 50
   x), and the sum is never less than 3/4 of its value at once after a load.
 */
-MPM_FN double PoroProjection(const MpmKernelPoint *point, double grains)
+MPM_FN Real PoroProjection(const KernelPoint *point, Real grains)
 {
-  const double mu      = PoroShear(point, point->state_n, point->F_n);
-  const double J       = PoroVolume(point, point->F_n);
-  double       through = HUGE_VAL;
-  Scalar       factor;
+  const Real mu      = KernelModulus(point, 0);
+  const Real J       = PoroVolume(point, point->F_n);
+  Real       through = 0.;
+  Scalar     factor;
 
-  if (!point->cell || PoroPermeabilityFactor(point, grains, ScalarConstant(J), &factor)) through = 0.;
-  else
-    for (int a = 0; a < MPM_DIM; a++)
-      through = fmin(through, point->physics_parameter[PORO_MOBILITY + a] * ScalarValue(factor) /
-                                (point->cell[a] * point->cell[a]));
-  return 0.5 * point->physics_parameter[PORO_PPP] / (mu * (1. + PORO_FADES * 2. * mu * point->dt * through));
+  if (point->cell && !PoroPermeabilityFactor(point, grains, ScalarConstant(J), &factor))
+    through = PoroThrough(point, ScalarReal(factor));
+  return 0.5 * KernelAt(point, physics_parameter, PORO_PPP) / (mu * (1. + PORO_FADES * 2. * mu * point->dt * through));
 }
 
 /* The factor of what the pressure's deviation has changed by, in its flux. */
-MPM_FN double PoroSmoothing(const MpmKernelPoint *point, double grains)
+MPM_FN Real PoroSmoothing(const KernelPoint *point, Real grains)
 {
-  return point->material.traits & MPM_POINT_DRAINED ? 0. : -point->volume0 * PoroProjection(point, grains);
+  if (point->material.traits & MPM_POINT_DRAINED) return 0.;
+  return -point->volume0 * PoroProjection(point, grains);
 }
 
 /* Fluxes of p, of its gradient and of its deviation, from J and dF; non-zero where there are no pores. */
-MPM_FN int PoroMass(const MpmKernelPoint *point, const Tensor *dF, Scalar J, const Scalar input[], Scalar flux[])
+MPM_FN int PoroMass(const KernelPoint *point, const Tensor *dF, Scalar J, const Scalar input[], Scalar flux[])
 {
-  const double          grains    = PoroGrains(point);
-  const MpmKernelStage *stage     = point->stage;
-  const double          start     = PoroContentValue(point, grains, point->F_n, point->value_n[0]);
-  const double          first     = stage ? PoroContentValue(point, grains, stage->F, stage->value[0]) : 0.;
-  const double          deviation = PoroReference(point, point->deviation_n[0], stage ? stage->deviation[0] : 0.);
-  const Scalar          content   = PoroContent(point, grains, J, input[PORO_P]);
-  Scalar                factor;
+  const Real   grains = PoroGrains(point), value_n = KernelAt(point, value_n, 0);
+  const Real   start     = PoroContentReal(point, grains, point->F_n, value_n);
+  const Real   deviation = PoroReference(point, KernelAt(point, deviation_n, 0), PoroDeviationFirst(point));
+  const Scalar content   = PoroContent(point, grains, J, input[PORO_P]);
+  Scalar       factor;
 
   if (PoroPermeabilityFactor(point, grains, J, &factor)) return 1;
   flux[PORO_P] = point->material.traits & MPM_POINT_DRAINED
-                   ? ScalarScale(-point->volume0 * PoroKept(point), ScalarShift(input[PORO_P], -point->value_n[0]))
-                   : ScalarScale(-point->volume0, ScalarShift(content, -PoroReference(point, start, first)));
+                   ? ScalarScale(-point->volume0 * PoroKept(point), ScalarShift(input[PORO_P], -value_n))
+                   : ScalarScale(-point->volume0,
+                                 ScalarShift(content, -PoroReference(point, start, PoroContentFirst(point, grains))));
   PoroSeepage(point, dF, factor, &input[PORO_GRAD_P], &flux[PORO_GRAD_P]);
   flux[PORO_DEVIATION] = ScalarScale(PoroSmoothing(point, grains), ScalarShift(input[PORO_DEVIATION], -deviation));
-  if (point->end.F) point->end.own[PORO_STATE_POROSITY] = 1. - grains / ScalarValue(J);
+  KernelKeepOwn(point, PORO_STATE_POROSITY, 1. - grains / ScalarReal(J));
   return 0;
 }
 
@@ -231,7 +252,7 @@ MPM_FN int PoroMass(const MpmKernelPoint *point, const Tensor *dF, Scalar J, con
   Fluxes are affine in grad p, with the mobility as its factor, and in the deviation; p is the caller's where `count`
   leaves it out.
 */
-MPM_FN void PoroTangent(const MpmKernelPoint *point, const Scalar input[], Scalar J, int count, const Scalar flux[],
+MPM_FN void PoroTangent(const KernelPoint *point, const Scalar input[], Scalar J, int count, const Scalar flux[],
                         double tangent[])
 {
   const int    small  = point->material.traits & MPM_LAW_SMALL_STRAIN;
@@ -332,6 +353,25 @@ static const char *PoroPrepare(const MpmPhysicsMaterial *material, double gravit
   return NULL;
 }
 
+/* The porosity of the material is that of its points, unless the law has a specific volume. */
+static void PoroInitialChange(int place, double *own)
+{
+  if (place == PORO_POROSITY) own[PORO_STATE_POROSITY] = 1.;
+}
+
+/* With m = k/mu_w, or K/(rho_w g). */
+static void PoroChange(const double *value, int place, double *derivative)
+{
+  const int conductivity = value[PORO_CONDUCTIVITY] > 0., axis = (place - PORO_MOBILITY) % 3;
+
+  derivative[place] = 1.;
+  if (place >= PORO_MOBILITY && place < PORO_CONDUCTIVITY) derivative[place] = 1. / value[PORO_VISCOSITY];
+  if (place >= PORO_CONDUCTIVITY && place < PORO_PERMEABILITY_LAW)
+    derivative[PORO_MOBILITY + axis] = value[PORO_MOBILITY + axis] / value[place];
+  for (int a = 0; a < 3 && place == (conductivity ? PORO_DENSITY : PORO_VISCOSITY); a++)
+    derivative[PORO_MOBILITY + a] = -value[PORO_MOBILITY + a] / value[place];
+}
+
 /* A specific volume of the point's own comes before the material's. */
 static void PoroInitial(const MpmPhysicsMaterial *material, const double *value, const double *state, double *own)
 {
@@ -371,5 +411,6 @@ static int PoroSymmetric(const MpmPhysicsMaterial *material, const double *value
   .field_count = MPM_ROWS(poro_fields), .fields = poro_fields, .parameter_count = MPM_ROWS(poro_parameters), \
   .parameters = poro_parameters, .common_count = MPM_ROWS(poro_common), .common = poro_common, \
   .state_count = MPM_ROWS(poro_states), .states = poro_states, .taken_up = 1, .prepare = PoroPrepare, \
-  .initial = PoroInitial, .ghost = PoroGhost, .symmetric = PoroSymmetric
+  .change = PoroChange, .initial = PoroInitial, .initial_change = PoroInitialChange, .ghost = PoroGhost, \
+  .symmetric = PoroSymmetric
 #endif

@@ -20,7 +20,7 @@
 #define INPUTS (PORO_INPUTS + 1)
 
 /* The fluxes, and J_bar. */
-MPM_FN int PoroFbarFluxes(const MpmKernelPoint *point, const Scalar input[], Scalar *J, Scalar flux[])
+MPM_FN int PoroFbarFluxes(const KernelPoint *point, const Scalar input[], Scalar *J, Scalar flux[])
 {
   const Tensor dF = TensorFromGradient(input);
   Tensor       dm;
@@ -41,7 +41,7 @@ MPM_FN int PoroFbarFluxes(const MpmKernelPoint *point, const Scalar input[], Sca
 }
 
 #if MPM_DIRECTIONS < 2
-static int PoroFbarKernel(const MpmKernelPoint *point, const Scalar input[], Scalar flux[])
+static int PoroFbarKernel(const KernelPoint *point, const Scalar input[], Scalar flux[])
 {
   Scalar J;
 
@@ -49,8 +49,14 @@ static int PoroFbarKernel(const MpmKernelPoint *point, const Scalar input[], Sca
 }
 #endif
 
-#if MPM_DIRECTIONS != 1
-static int PoroFbarMean(const MpmKernelPoint *point, const double input[], double *m, double dm[], double ddm[])
+#if defined(MPM_SENSITIVITY)
+static int PoroFbarMean(const KernelPoint *point, const Scalar input[], Scalar *m, Scalar dm[])
+{
+  for (int k = GRADIENTS; k < PORO_INPUTS; k++) dm[k] = ScalarConstant(0.);
+  return FbarMeanAlong(point, input, m, dm);
+}
+#elif MPM_DIRECTIONS != 1
+static int PoroFbarMean(const KernelPoint *point, const double input[], double *m, double dm[], double ddm[])
 {
   return FbarMean(point, input, PORO_INPUTS, m, dm, ddm);
 }
@@ -58,7 +64,7 @@ static int PoroFbarMean(const MpmKernelPoint *point, const double input[], doubl
 
 #if MPM_DIRECTIONS > 1
 /* With directions for dF, p and the mean. */
-static int PoroFbarTangent(const MpmKernelPoint *point, const double input[], double flux[], double tangent[])
+static int PoroFbarTangent(const KernelPoint *point, const double input[], double flux[], double tangent[])
 {
   enum { COUNT = PORO_GRADIENTS + 1 };
   double *by_mean = tangent + PORO_INPUTS * PORO_INPUTS, *of_mean = by_mean + PORO_INPUTS;

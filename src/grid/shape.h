@@ -120,6 +120,9 @@ void MpmShapeDifferentiate(MpmShapeType type, MpmEdgeType edge, const MpmShapePl
 */
 void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
                   PetscInt edge_upper, const MpmShapeLine *line);
+/* Derivatives of these means by the place and by the half-length, in cells; the nodes of the line stay. */
+void MpmShapeMeanSlopes(MpmShapeType type, MpmEdgeType edge, const MpmShapePlace *at, const MpmShapeLine *line,
+                        PetscReal by_place[], PetscReal by_length[]);
 /*
   The cells of an axis that a point's domain lies in, low to high, and the part of the domain in cell c of these, with
   its derivatives by the place and by the half-length, in cells, unless `slope` is NULL. Parts add up to 1.

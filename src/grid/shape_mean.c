@@ -39,31 +39,63 @@ void MpmShapeCells(PetscReal xi, PetscReal half_length, PetscInt edge_lower, Pet
   if (half_length <= MPM_SHAPE_POINT) *high = *low;
 }
 
+/* A shape, ends and edges of its line. */
+typedef struct {
+  MpmShapeType type;
+  MpmEdgeType  edge;
+  PetscInt     lower, upper;
+} Axis;
+
+/* Adds `part` times the means over cell c. */
+static void AddCell(const Axis *axis, PetscInt c, PetscReal part, const MpmShapeLine *line)
+{
+  static const MpmShapeType at_point[] = {MPM_SHAPE_LINEAR, MPM_SHAPE_LINEAR, MPM_SHAPE_BSPLINE2, MPM_SHAPE_BSPLINE3};
+  const PetscInt            degree     = MpmShapeDegree(axis->type);
+  const PetscReal           gauss      = 0.25 / PetscSqrtReal(3.);
+
+  if (degree == 1) {
+    AddNode(line, c, 0.5 * part);
+    AddNode(line, c + 1, 0.5 * part);
+    return;
+  }
+  for (PetscInt q = 0; q < 4; q++) {
+    const PetscReal at = (PetscReal)c + (q < 2 ? 0.25 : 0.75) + (q % 2 ? gauss : -gauss);
+    PetscReal       weight[4], unused[4];
+    MpmShapeLine    here = {.weight = weight, .gradient = unused};
+
+    MpmShapeEvaluate(at_point[degree], axis->edge, at, 0., axis->lower, axis->upper, &here);
+    for (PetscInt k = 0; k < here.count; k++) AddNode(line, here.first + k, 0.25 * part * weight[k]);
+  }
+}
+
 void MpmShapeMean(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal half_length, PetscInt edge_lower,
                   PetscInt edge_upper, const MpmShapeLine *line)
 {
-  static const MpmShapeType at_point[] = {MPM_SHAPE_LINEAR, MPM_SHAPE_LINEAR, MPM_SHAPE_BSPLINE2, MPM_SHAPE_BSPLINE3};
-  const PetscInt            degree     = MpmShapeDegree(type);
-  const PetscReal           l = MpmShapeHasDomain(type) ? half_length : 0., gauss = 0.25 / PetscSqrtReal(3.);
-  PetscInt                  low, high;
+  const Axis      axis = {type, edge, edge_lower, edge_upper};
+  const PetscReal l    = MpmShapeHasDomain(type) ? half_length : 0.;
+  PetscInt        low, high;
 
   MpmShapeCells(xi, l, edge_lower, edge_upper, &low, &high);
   for (PetscInt k = 0; k < line->count; k++) line->mean[k] = 0.;
+  for (PetscInt c = low; c <= high; c++) AddCell(&axis, c, MpmShapePart(c, low, high, xi, l, NULL), line);
+}
+
+void MpmShapeMeanSlopes(MpmShapeType type, MpmEdgeType edge, const MpmShapePlace *at, const MpmShapeLine *line,
+                        PetscReal by_place[], PetscReal by_length[])
+{
+  const Axis      axis = {type, edge, at->edge_lower, at->edge_upper};
+  const PetscReal l    = MpmShapeHasDomain(type) ? at->half_length : 0.;
+  MpmShapeLine    by[] = {*line, *line};
+  PetscInt        low, high;
+
+  by[0].mean = by_place;
+  by[1].mean = by_length;
+  MpmShapeCells(at->xi, l, at->edge_lower, at->edge_upper, &low, &high);
+  for (PetscInt k = 0; k < line->count; k++) by_place[k] = by_length[k] = 0.;
   for (PetscInt c = low; c <= high; c++) {
-    const PetscReal part = MpmShapePart(c, low, high, xi, l, NULL);
+    PetscReal slope[2];
 
-    if (degree == 1) {
-      AddNode(line, c, 0.5 * part);
-      AddNode(line, c + 1, 0.5 * part);
-      continue;
-    }
-    for (PetscInt q = 0; q < 4; q++) {
-      const PetscReal at = (PetscReal)c + (q < 2 ? 0.25 : 0.75) + (q % 2 ? gauss : -gauss);
-      PetscReal       weight[4], unused[4];
-      MpmShapeLine    here = {.weight = weight, .gradient = unused};
-
-      MpmShapeEvaluate(at_point[degree], edge, at, 0., edge_lower, edge_upper, &here);
-      for (PetscInt k = 0; k < here.count; k++) AddNode(line, here.first + k, 0.25 * part * weight[k]);
-    }
+    (void)MpmShapePart(c, low, high, at->xi, l, slope);
+    for (int k = 0; k < 2; k++) AddCell(&axis, c, slope[k], &by[k]);
   }
 }

@@ -32,6 +32,12 @@ static PetscErrorCode FillCondition(MpmModel model, const MpmColumn *column, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Of a component's residual in the reported reaction. */
+static PetscReal Sign(const MpmModel model, PetscInt component)
+{
+  return model->disc.layout->component[component].negative ? -1. : 1.;
+}
+
 /* A condition's forces are the residuals of its nodes, of which each owner has all. */
 static PetscErrorCode ConditionAlong(MpmModel model, const MpmColumn *column, const MpmPointVector *end,
                                      const PetscReal residual[], PetscReal values[])
@@ -45,7 +51,7 @@ static PetscErrorCode ConditionAlong(MpmModel model, const MpmColumn *column, co
   PetscCall(PetscCalloc1((count * bs), &forces));
   MpmConstraintsAddReactions(model->disc.constraints, bs, model->disc.space->owned, residual, forces);
   for (PetscInt c = 0; c < condition->component_count; c++)
-    values[c] = forces[column->index * bs + condition->component[c]];
+    values[c] = Sign(model, condition->component[c]) * forces[column->index * bs + condition->component[c]];
   PetscCall(PetscFree(forces));
   PetscCall(
     MPIU_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)condition->component_count, MPIU_REAL, MPIU_SUM, model->comm));
@@ -63,7 +69,7 @@ static PetscErrorCode ConditionPull(MpmModel model, const MpmColumn *column, con
   for (PetscInt k = 0; k < model->disc.space->owned * bs; k++) {
     if (model->disc.constraints->condition[k] != column->index) continue;
     for (PetscInt c = 0; c < condition->component_count; c++)
-      if (condition->component[c] == k % bs) lam[k] -= weight[c];
+      if (condition->component[c] == k % bs) lam[k] -= Sign(model, k % bs) * weight[c];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -257,14 +257,18 @@ PetscBool MpmLawFind(const char *name, PetscInt kinematics, MpmForm form, MpmLaw
 PetscBool MpmLawFindAll(const char *name, PetscInt kinematics, MpmFunction law[], MpmLawInfo *info)
 {
   MpmDilatancySensitivity dilatancy = NULL;
+  MpmModuliSensitivity    moduli    = NULL;
 
   for (PetscInt form = 0; form < MPM_FORM_COUNT; form++) {
     if (!MpmLawFind(name, kinematics, (MpmForm)form, info)) return PETSC_FALSE;
     law[form] = info->law;
-    if (form == MPM_FORM_SENSITIVITY) dilatancy = info->dilatancy_sensitivity;
+    if (form != MPM_FORM_SENSITIVITY) continue;
+    dilatancy = info->dilatancy_sensitivity;
+    moduli    = info->moduli_sensitivity;
   }
   if (!MpmLawFind(name, kinematics, MPM_FORM_RESIDUAL, info)) return PETSC_FALSE;
   info->dilatancy_sensitivity = dilatancy;
+  info->moduli_sensitivity    = moduli;
   return PETSC_TRUE;
 }
 

@@ -6,9 +6,9 @@
 #include "base/range.h"
 #include "base/types.h"
 
-/* By what a parameter acts on: a law's number, a load's magnitude, and numbers of the state from which steps start have
-   derivatives in closed form. */
-typedef enum { MPM_OF_LAW, MPM_OF_LOAD, MPM_OF_START, MPM_OF_OPTION } MpmSceneParameterKind;
+/* By what a parameter acts on: numbers of a law, of the physics, a load's magnitude, and numbers of the state from
+   which steps start have derivatives in closed form. */
+typedef enum { MPM_OF_LAW, MPM_OF_PHYSICS, MPM_OF_LOAD, MPM_OF_START, MPM_OF_OPTION } MpmSceneParameterKind;
 
 /* An option that a parameter is a number of, or a factor of all numbers. */
 typedef struct {
@@ -24,8 +24,9 @@ typedef struct {
   char                 *block;  /* of the list -mpm_parameters; NULL: of the short form */
   const char           *option; /* by which messages name it, borrowed; NULL: -mpm_parameters */
   MpmSceneParameterKind kind;
-  PetscInt              index;   /* of the material or load */
-  PetscInt              place;   /* in the law's parameter table */
+  PetscInt              index;   /* of the material or load; -1: all materials */
+  PetscInt              place;   /* in the law's parameter table, or among the physics' values */
+  PetscInt              places;  /* of the physics' values that the number is */
   PetscBool             density; /* the law's parameter is the density */
   double                value;   /* in the scene; a factor's is 1 */
   MpmRange              range;   /* of values that its option accepts */

@@ -11,6 +11,7 @@
 #include "space/space.h"
 #include "bc/bc.h"
 #include "observe/results.h"
+#include "watermap/water_map.h"
 #include "sensitivity/replayed_step.h"
 
 /* Adds the derivatives of the objectives by the end of step n, and their part of lam at the owned nodes. */
@@ -34,15 +35,18 @@ static PetscErrorCode PullObjectives(MpmModel model, PetscInt n, MpmPointVector 
 }
 
 /* One step: `vector`, the derivative by its end, becomes that by its start. */
-static PetscErrorCode StepPull(MpmModel model, PetscInt n, const MpmReplayedStep *step, MpmPointVector *vector,
+static PetscErrorCode StepPull(MpmModel model, PetscInt n, MpmReplayedStep *step, MpmPointVector *vector,
                                PetscReal values[])
 {
-  const MpmStepMap *map   = &step->map;
-  const PetscInt    count = model->disc.space->local * model->disc.block;
-  MpmPointVector    start = {0}, end = {0};
-  PetscReal        *lam, *ubar, *solved;
+  MpmStepMap     *map   = &step->map;
+  const PetscInt  count = model->disc.space->local * model->disc.block;
+  MpmPointVector  start = {0}, end = {0};
+  MpmStageNumbers stage = {0};
+  PetscReal      *lam, *ubar, *solved;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmStageNumbersCreate(map, &stage));
+  map->stage = &stage;
   PetscCall(PetscCalloc3((count + 1), &lam, (count + 1), &ubar, (count + 1), &solved));
   PetscCall(MpmStepVectorCreate(map, &start));
   PetscCall(MpmStepVectorCreate(map, &end));
@@ -56,6 +60,8 @@ static PetscErrorCode StepPull(MpmModel model, PetscInt n, const MpmReplayedStep
   PetscCall(MpmPointsPullStart(map, &end, lam, &start, values));
   PetscCall(MpmLoadsPullStart(map, lam, &start, values));
   PetscCall(MpmGhostPullStart(map, lam, values));
+  if (stage.deviation_n) PetscCall(MpmDeviationsPull(map, stage.deviation_n, &start));
+  PetscCall(MpmStageNumbersDestroy(&stage));
   MpmPointVectorAddConstant(&end, &start);
   MpmStagePull(model, n, map, values, &start);
   *vector = start;

@@ -17,6 +17,8 @@
 #include "loads/body_surface.h"
 #include "loads/load.h"
 #include "query/query.h"
+#include "loads/water_table.h"
+#include "stepmap/rates_end.h"
 #include "sensitivity/gradient.h"
 
 /* A part, and whether the scene has it. */
@@ -24,6 +26,14 @@ typedef struct {
   const char *name;
   PetscBool   there;
 } Part;
+
+/* True where water has weight. */
+static PetscBool WaterWeighs(const MpmModel model)
+{
+  for (PetscInt l = 0; model->disc.layout->own.taken_up >= 0 && l < model->scene.loads->count; l++)
+    if (model->scene.loads->at[l].type == MPM_LOAD_GRAVITY) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
 
 /* The first load of a kind that has no derivative, or NULL. */
 static const char *FindLoad(const MpmScene *scene)
@@ -153,6 +163,9 @@ static const char *FindPart(const MpmModel model)
          {"the ghost penalty of water, or of a material without E",
           (PetscBool)((model->disc.matrix.ghost > 0. || scene->stabilization.interior > 0.) && PenaltyIsOpen(model))},
          {"smoothed strains (-mpm_stabilization_smooth)", (PetscBool)(scene->stabilization.smooth > 0.)},
+         {"the weight of water", WaterWeighs(model)},
+         {"a level of water", scene->water->there},
+         {"rates of this physics", (PetscBool)!MpmRatesAreClosed(model->disc.layout)},
          {"a moving grid", (PetscBool)(scene->follow.what != MPM_FOLLOW_NOTHING)},
   };
 
@@ -167,6 +180,10 @@ PetscErrorCode MpmGradientFindOpen(const MpmModel model, char text[MPM_OPEN_TEXT
 
   PetscFunctionBeginUser;
   text[0] = '\0';
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    if (model->disc.layout->deviation.count && !model->scene.materials->at[m].info.moduli_sensitivity)
+      PetscCall(PetscSNPrintf(text, MPM_OPEN_TEXT, "water in material %s, whose law has none of its shear modulus",
+                              model->scene.materials->names[m]));
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     if (model->scene.materials->at[m].dilatancy && !model->scene.materials->at[m].info.dilatancy_sensitivity)
       PetscCall(PetscSNPrintf(text, MPM_OPEN_TEXT, "F-bar of material %s, whose law has none of its dilation",
@@ -248,7 +265,8 @@ PetscErrorCode MpmGradientCheckUse(const MpmModel model)
 
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < parameters->count; k++)
-    MpmCheckInput(parameters->at[k].kind != MPM_OF_LAW || IsUsed(&model->scene, parameters->at[k].index),
+    MpmCheckInput((parameters->at[k].kind != MPM_OF_LAW && parameters->at[k].kind != MPM_OF_PHYSICS) ||
+                    parameters->at[k].index < 0 || IsUsed(&model->scene, parameters->at[k].index),
                   "-mpm_parameters %s: no result depends on it: no body is of the material", parameters->at[k].name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

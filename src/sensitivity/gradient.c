@@ -35,8 +35,7 @@ static PetscErrorCode ReadBlocks(MpmModel model, const MpmOptions *options, MpmG
                            "results, which are gone after the run",
                            MpmTapeStoreKinds, MPM_OPTIONAL, &store, NULL));
   gradient->tape.states.kind = (MpmTapeStoreKind)store;
-  PetscCall(MpmSceneParametersRead(options, model->scene.materials, model->scene.loads, &gradient->grounds,
-                                   &gradient->parameters));
+  PetscCall(MpmSceneParametersRead(options, &model->scene, &gradient->grounds, &gradient->parameters));
   PetscCall(MpmParameterRangesRead(options, &gradient->parameters, &gradient->ranges));
   for (PetscInt k = 0; k < gradient->grounds.count; k++)
     PetscCall(MpmParameterRangesAddField(options, gradient->grounds.at[k].block, k, gradient->grounds.at[k].ground,

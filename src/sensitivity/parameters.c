@@ -5,6 +5,7 @@
 #include "options/options.h"
 #include "point/material.h"
 #include "loads/load.h"
+#include "query/model.h"
 #include "query/parameter_range.h"
 #include "sensitivity/parameters.h"
 
@@ -12,6 +13,7 @@
 typedef struct {
   const MpmMaterials *materials;
   const MpmLoads     *loads;
+  const MpmPhysics   *physics;
   MpmFieldParameters *grounds; /* fields that are found */
 } Places;
 
@@ -24,7 +26,7 @@ static PetscInt FindRow(const MpmLawInfo *info, const char key[])
 }
 
 /* A law's number of one value, of a material that does not vary from place to place. */
-static void FindInMaterials(const Places *places, const char option[], MpmSceneParameter *parameter)
+static void FindInLaws(const Places *places, const char option[], MpmSceneParameter *parameter)
 {
   const MpmMaterials *materials = places->materials;
 
@@ -45,7 +47,71 @@ static void FindInMaterials(const Places *places, const char option[], MpmSceneP
   }
 }
 
-/* A load's magnitude. */
+/* True where an option has one number, which stands for all axes. */
+static PetscBool IsAlone(const MpmParameterOption *option)
+{
+  static const char between[] = ",:; \t";
+  const char       *text      = option->text + strspn(option->text, between);
+
+  text += strcspn(text, between);
+  return (PetscBool)!text[strspn(text, between)];
+}
+
+/* A number of the physics that the scene gives for a material. */
+static void FindInPhysics(const Places *places, const char option[], MpmSceneParameter *parameter)
+{
+  for (PetscInt m = 0; m < places->materials->count; m++) {
+    const MpmMaterial *material = &places->materials->at[m];
+    const size_t       length   = strlen(places->materials->names[m]);
+    PetscInt           place    = 0;
+
+    if (strncmp(option, places->materials->names[m], length) || option[length] != '_' || material->varies) continue;
+    for (int k = 0; k < places->physics->parameter_count; k++) {
+      const MpmParameter *of   = &places->physics->parameters[k];
+      const PetscInt      axes = MpmParameterPlaces(of);
+
+      if (of->kind != MPM_WORD && parameter->options[0].given && !strcmp(&option[length + 1], of->name)) {
+        parameter->kind   = MPM_OF_PHYSICS;
+        parameter->index  = m;
+        parameter->place  = place + (axes > 1 ? parameter->options[0].place : 0);
+        parameter->places = axes > 1 && IsAlone(&parameter->options[0]) ? axes : 1;
+      }
+      place += axes;
+    }
+  }
+}
+
+static void FindInMaterials(const Places *places, const char option[], MpmSceneParameter *parameter)
+{
+  FindInLaws(places, option, parameter);
+  if (parameter->kind == MPM_OF_OPTION) FindInPhysics(places, option, parameter);
+}
+
+/* A number of the physics for the whole scene, of finite value. */
+static void FindInCommon(const Places *places, const char option[], MpmSceneParameter *parameter)
+{
+  const MpmPhysics *physics = places->physics;
+  PetscInt          place   = 0;
+
+  for (int k = 0; k < physics->parameter_count; k++) place += MpmParameterPlaces(&physics->parameters[k]);
+  for (int k = 0; k < physics->common_count; k++) {
+    const MpmCommonParameter *common = &physics->common[k];
+    const size_t              length = strlen(common->block);
+
+    if (strncmp(option, common->block, length) || option[length] != '_' ||
+        strcmp(&option[length + 1], common->parameter.name))
+      continue;
+    for (PetscInt m = 0; m < places->materials->count; m++)
+      if (places->materials->at[m].varies || !PetscIsNormalReal(places->materials->at[m].physics_parameter[place + k]))
+        return;
+    parameter->kind   = MPM_OF_PHYSICS;
+    parameter->index  = -1;
+    parameter->place  = place + k;
+    parameter->places = 1;
+  }
+}
+
+/* A load's magnitude; not that of gravity where water has weight, too. */
 static void FindInLoads(const Places *places, const char option[], MpmSceneParameter *parameter)
 {
   for (PetscInt l = 0; l < places->loads->count; l++) {
@@ -53,6 +119,7 @@ static void FindInLoads(const Places *places, const char option[], MpmSceneParam
     const size_t   length = strlen(load->name);
 
     if (strncmp(option, load->name, length) || strcmp(&option[length], "_value")) continue;
+    if (load->type == MPM_LOAD_GRAVITY && places->physics->taken_up) continue;
     parameter->kind  = MPM_OF_LOAD;
     parameter->index = l;
   }
@@ -74,9 +141,8 @@ static const struct {
   PetscBool   factor; /* of all numbers of the option */
   void (*find)(const Places *places, const char option[], MpmSceneParameter *parameter);
 } closed[] = {
-  {"-mpm_material_", PETSC_FALSE, FindInMaterials},
-  {"-mpm_load_", PETSC_TRUE, FindInLoads},
-  {"-mpm_stage_", PETSC_FALSE, FindInStart},
+  {"-mpm_material_", PETSC_FALSE, FindInMaterials}, {"-mpm_", PETSC_FALSE, FindInCommon},
+  {"-mpm_load_", PETSC_TRUE, FindInLoads},          {"-mpm_stage_", PETSC_FALSE, FindInStart},
   {"-mpm_body_", PETSC_FALSE, FindInStart},
 };
 
@@ -143,10 +209,10 @@ static PetscErrorCode ReadShort(const MpmOptions *options, const Places *places,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSceneParametersRead(const MpmOptions *options, const MpmMaterials *materials, const MpmLoads *loads,
-                                      MpmFieldParameters *grounds, MpmSceneParameters *parameters)
+PetscErrorCode MpmSceneParametersRead(const MpmOptions *options, const MpmScene *scene, MpmFieldParameters *grounds,
+                                      MpmSceneParameters *parameters)
 {
-  const Places places[] = {{materials, loads, grounds}};
+  const Places places[] = {{scene->materials, scene->loads, &scene->physics, grounds}};
   PetscInt     count;
   char       **names;
 
@@ -169,7 +235,7 @@ PetscErrorCode MpmSceneParametersRead(const MpmOptions *options, const MpmMateri
                      NULL, field ? MPM_OPTIONAL : MPM_REQUIRED, &of));
     if (MpmOptionsHelp()) PetscCall(MpmParameterRangePrintHelp(&block));
     MpmCheckInput(!of || !field || MpmOptionsHelp(), "-%sfield %s: must be alone: of is given, too", prefix, field);
-    if (field && !MpmOptionsHelp()) PetscCall(MpmFieldParameterAdd(materials, field, names[k], grounds));
+    if (field && !MpmOptionsHelp()) PetscCall(MpmFieldParameterAdd(scene->materials, field, names[k], grounds));
     PetscCall(PetscFree(field));
     if (of && !MpmOptionsHelp()) PetscCall(AddNames(options, places, of, names[k], parameters));
     PetscCall(PetscFree(of));

@@ -13,7 +13,8 @@
 #include "step/step.h"
 #include "sensitivity/replayed_step.h"
 
-#define RTOL 1e-12 /* of solves with the Jacobian, unless -gradient_ksp_rtol has another */
+#define MOST_OWN 16    /* numbers that a physics keeps of a point */
+#define RTOL     1e-12 /* of solves with the Jacobian, unless -gradient_ksp_rtol has another */
 
 static PetscBool AnyResets(const MpmModel model)
 {
@@ -66,6 +67,7 @@ PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep
   for (PetscInt l = 0; l < loads; l++) step->factors[l] = MpmStepLoadFactor(model, l, rules->time.end);
   step->map = (MpmStepMap){.rules      = rules,
                            .sum        = disc->sum,
+                           .physics    = &model->scene.physics,
                            .particles  = model->state.particles,
                            .parameters = &model->gradient->parameters,
                            .grounds    = &model->gradient->grounds,
@@ -169,11 +171,51 @@ static void Joining(const MpmModel model, PetscInt n, const MpmStepMap *map, Pet
   }
 }
 
+/* True where point p begins with the physics' own states of its material at the start of step n. */
+static PetscBool BeginsAtRest(const MpmModel model, PetscInt n, const MpmStepMap *map, PetscInt p)
+{
+  const MpmTape   *tape = &model->gradient->tape;
+  const PetscInt   id   = map->sum->points->id[p];
+  const PetscBool *adds = model->scene.stages.at[tape->step[n].stage].adds;
+
+  if (!n) return (PetscBool)!model->gradient->start.at;
+  for (PetscInt b = 0; MpmTapeBeginsStage(tape, n) && b < model->scene.bodies->count; b++) {
+    PetscInt first, end;
+
+    MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
+    if (adds[b] && id >= first && id < end) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* Their change with a parameter; with a sum its derivative, from the bars in `vector`. */
+static void OwnAtRest(const MpmModel model, PetscInt n, const MpmStepMap *map, PetscInt parameter, PetscReal *sum,
+                      MpmPointVector *vector)
+{
+  const MpmSceneParameter *of               = &map->parameters->at[parameter];
+  const MpmPoints         *points           = map->sum->points;
+  const PetscInt           size             = vector->size[MPM_VECTOR_OWN];
+  double                   change[MOST_OWN] = {0.};
+
+  if (!size || of->kind != MPM_OF_PHYSICS || !map->physics->initial_change) return;
+  map->physics->initial_change((int)of->place, change);
+  for (PetscInt p = 0; p < points->count; p++) {
+    if ((of->index >= 0 && points->material[p] != of->index) || !BeginsAtRest(model, n, map, p)) continue;
+    for (PetscInt k = 0; k < size; k++) {
+      PetscReal *own = &vector->at[MPM_VECTOR_OWN][p * size + k];
+
+      if (sum) *sum += *own * change[k];
+      else *own += change[k];
+    }
+  }
+}
+
 void MpmStageAlong(const MpmModel model, PetscInt n, const MpmStepMap *map, PetscInt parameter, MpmPointVector *vector)
 {
   PetscReal *origin = vector->at[MPM_VECTOR_ORIGIN];
 
-  Joining(model, n, map, parameter, NULL, vector);
+  if (parameter >= 0) Joining(model, n, map, parameter, NULL, vector);
+  if (parameter >= 0) OwnAtRest(model, n, map, parameter, NULL, vector);
   if (!Resets(model, n, vector)) return;
   for (PetscInt k = 0; k < vector->count * vector->dim; k++) origin[k] = vector->x[k];
 }
@@ -182,7 +224,10 @@ void MpmStagePull(const MpmModel model, PetscInt n, const MpmStepMap *map, Petsc
 {
   PetscReal *origin = vector->at[MPM_VECTOR_ORIGIN];
 
-  for (PetscInt k = 0; k < map->parameters->count; k++) Joining(model, n, map, k, &gradient[k], vector);
+  for (PetscInt k = 0; k < map->parameters->count; k++) {
+    Joining(model, n, map, k, &gradient[k], vector);
+    OwnAtRest(model, n, map, k, &gradient[k], vector);
+  }
   if (!Resets(model, n, vector)) return;
   for (PetscInt k = 0; k < vector->count * vector->dim; k++) {
     vector->x[k] += origin[k];

@@ -8,6 +8,7 @@
 #include "space/space.h"
 #include "bc/bc.h"
 #include "observe/results.h"
+#include "watermap/water_map.h"
 #include "sensitivity/replayed_step.h"
 
 /* The change of the objectives' columns with a step's end; `residual` is dr at the local nodes, a rank's part. */
@@ -71,6 +72,7 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt many, const
   const PetscInt    count           = model->disc.space->local * model->disc.block;
   const PetscBool   balance         = AnyBalance(model);
   MpmPointVector    start[MPM_PACK] = {{0}}, end[MPM_PACK] = {{0}};
+  MpmStageNumbers   stage[MPM_PACK];
   MpmStepDirection  of[MPM_PACK];
   PetscReal        *residual[MPM_PACK], *du[MPM_PACK], *room;
   MpmStepDirections directions = {.count = many, .of = of, .residual = residual};
@@ -81,6 +83,9 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt many, const
     residual[k] = &room[2 * k * count];
     du[k]       = &room[(2 * k + 1) * count];
     PetscCall(Enter(model, n, which[k], map, &vectors[which[k]], &start[k], &of[k]));
+    PetscCall(MpmStageNumbersCreate(map, &stage[k]));
+    if (stage[k].deviation_n) PetscCall(MpmDeviationsAlong(map, &start[k], stage[k].deviation_n));
+    of[k].stage = &stage[k];
     PetscCall(MpmStepVectorCreate(map, &end[k]));
   }
   PetscCall(MpmPointsAlong(map, &directions));
@@ -102,6 +107,7 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt many, const
     PetscCall(FindSlopes(model, &end[k], residual[k], Slopes(gradient, n, which[k])));
     vectors[which[k]] = end[k];
     PetscCall(MpmPointVectorDestroy(&start[k]));
+    PetscCall(MpmStageNumbersDestroy(&stage[k]));
   }
   PetscCall(PetscFree(room));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -44,21 +44,6 @@ void MpmSpaceSmoothBasis(const MpmSpace *space, const PetscInt count[], PetscInt
   }
 }
 
-void MpmBasisZero(const MpmBasis *basis, PetscInt dim, PetscInt n)
-{
-  for (PetscInt b = 0; b <= dim; b++)
-    for (PetscInt i = 0; i < n; i++) basis->basis[b][i] = 0.;
-  for (PetscInt i = 0; dim < MPM_MAX_DIM && i < n; i++) basis->basis[MPM_HOOP_BASIS][i] = 0.;
-}
-
-void MpmBasisAdd(PetscReal factor, const MpmBasis *from, PetscInt dim, PetscInt n, const MpmBasis *to)
-{
-  for (PetscInt b = 0; b <= dim; b++)
-    for (PetscInt i = 0; i < n; i++) to->basis[b][i] += factor * from->basis[b][i];
-  for (PetscInt i = 0; dim < MPM_MAX_DIM && i < n; i++)
-    to->basis[MPM_HOOP_BASIS][i] += factor * from->basis[MPM_HOOP_BASIS][i];
-}
-
 /* Nothing but the nodes of a group. */
 static MpmKnown NodesOf(const MpmSpace *space, const MpmGroup *group)
 {

@@ -77,10 +77,6 @@ MPM_INLINE void MpmBasisAddHoop(const MpmBasis *basis, PetscInt n, PetscReal q, 
   for (PetscInt i = 0; i < n; i++) forces[i] += basis->basis[MPM_HOOP_BASIS][i] * q;
 }
 
-/* Weights and derivatives become 0; or get `factor` times those of another. */
-void MpmBasisZero(const MpmBasis *basis, PetscInt dim, PetscInt n);
-void MpmBasisAdd(PetscReal factor, const MpmBasis *from, PetscInt dim, PetscInt n, const MpmBasis *to);
-
 /* ---- with the arrays of the local nodes, `stride` values a node, of which the first `components` take part ---- */
 
 /* value_c += sum_i w_i u_ic */

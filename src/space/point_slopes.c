@@ -21,7 +21,7 @@ PetscErrorCode MpmPointSlopesCreate(const MpmSpace *space, MpmPointSlopes *slope
   slopes->space = space;
   slopes->width = space->width;
   PetscCall(PetscMalloc3(size, &slopes->bend, size, &slopes->weight, size, &slopes->gradient));
-  PetscCall(PetscMalloc1(size, &slopes->by_place));
+  PetscCall(PetscMalloc3(size, &slopes->by_place, size, &slopes->mean[0], size, &slopes->mean[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -29,7 +29,7 @@ PetscErrorCode MpmPointSlopesDestroy(MpmPointSlopes *slopes)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree3(slopes->bend, slopes->weight, slopes->gradient));
-  PetscCall(PetscFree(slopes->by_place));
+  PetscCall(PetscFree3(slopes->by_place, slopes->mean[0], slopes->mean[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -197,8 +197,11 @@ PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points
     if (radial) MpmShapeAverageByLength(rules->shape, rules->edge, &round, &here);
     MpmShapeDifferentiate(rules->shape, rules->edge, &at, &here, &by);
     if (radial) MpmShapeVolumeSlopes(rules->shape, rules->edge, &round, &here, &by);
+    if (space->shapes.at[0].mean)
+      MpmShapeMeanSlopes(rules->shape, rules->edge, &at, &here, &slopes->mean[0][to], &slopes->mean[1][to]);
     for (PetscInt i = 0; i < group->count[a]; i++) {
       slopes->by_place[to + i] = gradient[i] / grid->h[a];
+      if (space->shapes.at[0].mean) slopes->mean[0][to + i] /= grid->h[a];
       by.bend[i] /= grid->h[a] * grid->h[a];
       by.gradient_by_length[i] /= grid->h[a];
     }
@@ -220,6 +223,18 @@ static void HoopSlopes(const MpmPointSlopes *slopes, const MpmGroup *group, MpmS
   for (PetscInt j = 0; j < group->count[1]; j++)
     for (PetscInt k = 0; k < group->count[0]; k++, n++)
       hoop[n] = slopes->hoop[0] * basis->basis[0][n] + by * w.along[0][k] * w.along[1][j];
+}
+
+void MpmPointSlopesMeans(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
+                         PetscReal means[])
+{
+  const MpmSpace *space = slopes->space;
+  MpmLines        m     = MpmPointLines(space->dim, space, space->shapes.at[0].mean, slopes->point, &MpmLineOne);
+
+  m.along[axis] = &slopes->mean[kind][axis * slopes->width];
+  for (PetscInt l = 0; l < group->count[2]; l++)
+    for (PetscInt j = 0; j < group->count[1]; j++)
+      for (PetscInt k = 0; k < group->count[0]; k++) *means++ = m.along[0][k] * m.along[1][j] * m.along[2][l];
 }
 
 void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
@@ -246,6 +261,10 @@ void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, Mp
     }
   }
   if (dim < MPM_MAX_DIM) HoopSlopes(slopes, group, kind, axis, basis);
+  if (!space->shapes.at[0].mean) return;
+  MpmPointSlopesMeans(slopes, group, kind, axis, basis->basis[MPM_DEVIATION(dim)]);
+  for (n = 0; n < group->node_count; n++)
+    basis->basis[MPM_DEVIATION(dim)][n] = basis->basis[0][n] - basis->basis[MPM_DEVIATION(dim)][n];
 }
 
 /* The sum of HoopSlopes() times `sums`. */

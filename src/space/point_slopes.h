@@ -24,6 +24,7 @@ typedef struct {
   PetscReal       length_by_start[MPM_MAX_DIM];         /* by the relative change of the initial half-length, cells */
   PetscReal      *bend, *weight, *gradient;             /* bend: 1/m2; by half-length: 1/cell and 1/(m cell) */
   PetscReal      *by_place;                             /* of the weights, 1/m */
+  PetscReal      *mean[MPM_BY_COUNT];                   /* derivatives of means over the cell, 1/m and 1/cell */
   PetscReal       hoop[2]; /* 1/radius, 1/m, and its derivative by the place; 0 without axial symmetry */
 } MpmPointSlopes;
 
@@ -38,7 +39,11 @@ PetscErrorCode MpmPointSlopesFind(const MpmRules *rules, const MpmPoints *points
 */
 void MpmPointSlopesBasis(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
                          const MpmBasis *basis);
-/* The sum over the group's nodes i of these derivatives of basis[b] times sums[b][i], b in the order of MpmBasis. */
+/* Derivatives of the means over the cell at the group's nodes, likewise; where the shape has means. */
+void MpmPointSlopesMeans(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
+                         PetscReal means[]);
+/* The sum over the group's nodes i of these derivatives of basis[b] times sums[b][i], b in the order of MpmBasis, but
+   for deviations. */
 PetscReal MpmPointSlopesSum(const MpmPointSlopes *slopes, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
                             PetscReal *const sums[]);
 /* The derivative of the weight of a group's node i on an axis, alone. */

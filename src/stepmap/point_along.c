@@ -3,6 +3,7 @@
 */
 #include "point/material.h"
 #include "stepmap/point_along.h"
+#include "stepmap/rates_end.h"
 
 PetscErrorCode MpmAlongWorkCreate(const MpmStepMap *map, MpmAlongWork *work)
 {
@@ -18,6 +19,8 @@ PetscErrorCode MpmAlongWorkCreate(const MpmStepMap *map, MpmAlongWork *work)
     parameters = PetscMax(parameters, (PetscInt)sum->materials[m].info.parameter_count);
   PetscCall(PetscCalloc3(states * MPM_PACK, &work->dstate, states * MPM_PACK, &work->state, parameters * MPM_PACK,
                          &work->parameter));
+  PetscCall(PetscCalloc2((sum->kept.own + 1) * MPM_PACK, &work->own,
+                         (MpmRateSizes(map) + MpmPhysicsValues(map) + 1) * MPM_PACK, &work->rates));
   PetscCall(PetscCalloc3(n * MPM_PACK, &work->du, n * MPM_PACK, &work->force, n, &work->by_argument));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -27,6 +30,7 @@ PetscErrorCode MpmAlongWorkDestroy(MpmAlongWork *work)
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < MPM_ARGUMENTS; k++) PetscCall(MpmBasisDestroy(&work->part[k]));
   PetscCall(PetscFree3(work->dstate, work->state, work->parameter));
+  PetscCall(PetscFree2(work->own, work->rates));
   PetscCall(PetscFree3(work->du, work->force, work->by_argument));
   PetscCall(MpmPointWorkDestroy(&work->point));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -145,6 +149,35 @@ static PetscBool Numbers(const MpmStepMap *map, const MpmStepDirection *directio
   return PETSC_TRUE;
 }
 
+/* The change of what a physics with a rate takes. */
+static void RatesAlong(const MpmStepMap *map, const MpmStepDirections *directions, PetscInt p, MpmAlongWork *work,
+                       MpmKernelDirection *along)
+{
+  const PetscInt material = map->sum->points->material[p];
+  PetscReal     *rows     = work->rates;
+
+  for (PetscInt k = 0; k < MPM_RATE_NUMBERS; k++) {
+    const PetscInt size = MpmRateSize(map, (MpmRateNumber)k);
+
+    for (PetscInt j = 0; j < directions->count; j++) {
+      const MpmStepDirection *of    = &directions->of[j];
+      const PetscReal        *array = MpmRateArray(of->start, of->stage, (MpmRateNumber)k);
+
+      for (PetscInt c = 0; c < size; c++) rows[c * MPM_PACK + j] = array[p * size + c];
+    }
+    if (size) *MpmRateMember(along, (MpmRateNumber)k) = rows;
+    rows += size * MPM_PACK;
+  }
+  for (PetscInt k = 0; k < MpmPhysicsValues(map) * MPM_PACK; k++) rows[k] = 0.;
+  for (PetscInt j = 0; j < directions->count; j++) {
+    const PetscInt k = directions->of[j].parameter;
+
+    if (k < 0 || !MpmPhysicsHasParameter(&map->parameters->at[k], material)) continue;
+    MpmPhysicsDirection(map, &map->parameters->at[k], material, &rows[j]);
+    along->physics_parameter = rows;
+  }
+}
+
 MpmKernelDirection MpmAlongDirection(const MpmStepMap *map, const MpmStepDirections *directions, PetscInt p,
                                      MpmAlongWork *work)
 {
@@ -156,6 +189,7 @@ MpmKernelDirection MpmAlongDirection(const MpmStepMap *map, const MpmStepDirecti
   for (size_t k = 0; k < material->info.parameter_count * MPM_PACK; k++) work->parameter[k] = 0.;
   for (PetscInt j = 0; j < directions->count; j++)
     if (Numbers(map, &directions->of[j], p, &work->parameter[j])) direction.parameter = work->parameter;
+  RatesAlong(map, directions, p, work, &direction);
   return direction;
 }
 
@@ -181,7 +215,7 @@ void MpmAlongPlace(const MpmStepMap *map, const MpmStepDirections *directions, P
 PetscErrorCode MpmAlongDifferentiate(const MpmStepMap *map, const MpmStepDirections *directions, PetscInt p,
                                      const MpmKernelPoint *point, MpmAlongWork *work)
 {
-  const MpmKernelEnd       slope     = {.state = work->state, .F = work->F, .stress = work->stress};
+  const MpmKernelEnd       slope     = {.state = work->state, .own = work->own, .F = work->F, .stress = work->stress};
   const MpmKernelDirection direction = MpmAlongDirection(map, directions, p, work);
   const PetscInt           states    = MpmPointStates(map, p);
 
@@ -200,6 +234,9 @@ PetscErrorCode MpmAlongDifferentiate(const MpmStepMap *map, const MpmStepDirecti
 
     for (PetscInt k = 0; k < end->F_size; k++) end->F[p * end->F_size + k] = work->F[k * MPM_PACK + j];
     for (PetscInt k = 0; k < states; k++) end->state[p * end->state_size + k] = work->state[k * MPM_PACK + j];
+    for (PetscInt k = 0; k < end->size[MPM_VECTOR_OWN]; k++)
+      MpmPointNumbers(end, MPM_VECTOR_OWN, p)[k] = work->own[k * MPM_PACK + j];
+    MpmRatesEndAlong(map, p, work->point.input, &work->dinput[j], end);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,7 +2,7 @@
 /*
   One point of a step along up to MPM_PACK directions at once.
 */
-#include "stepmap/point_work.h"
+#include "stepmap/rates_map.h"
 
 #define MPM_ARGUMENTS (MPM_BY_COUNT * MPM_MAX_DIM) /* of a point's weights: places, half-lengths */
 
@@ -15,7 +15,8 @@ typedef struct {
   PetscReal    place[MPM_ARGUMENTS][MPM_MAX_DIM];  /* change of sum_i w_i u_i by an argument */
   PetscReal    dinput[MPM_MAX_INPUTS * MPM_PACK], dflux[MPM_MAX_INPUTS * MPM_PACK];
   PetscReal    dF[MPM_F_MAX * MPM_PACK], F[MPM_F_MAX * MPM_PACK], stress[6 * MPM_PACK];
-  PetscReal   *dstate, *state, *parameter; /* rows */
+  PetscReal   *dstate, *state, *parameter, *own; /* rows */
+  PetscReal   *rates;                            /* rows of the numbers of a rate, then of the physics' parameters */
   PetscReal   *du, *force, *by_argument;
 } MpmAlongWork;
 

@@ -3,6 +3,7 @@
 */
 #include "point/material.h"
 #include "stepmap/point_table.h"
+#include "stepmap/rates_end.h"
 
 /* ---- directions ---- */
 
@@ -34,6 +35,17 @@ static PetscErrorCode FindFields(const MpmStepMap *map, PetscInt material, Petsc
   PetscCall(PetscMalloc1((all + 1), field));
   for (PetscInt k = 0; k < all; k++)
     if (map->grounds->at[k].material == material) (*field)[(*count)++] = k;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The parameters of the physics that act on this law's points. */
+static PetscErrorCode FindPhysics(const MpmStepMap *map, PetscInt material, PetscInt *count, PetscInt **number)
+{
+  PetscFunctionBeginUser;
+  *count = 0;
+  PetscCall(PetscMalloc1((map->parameters->count + 1), number));
+  for (PetscInt k = 0; k < map->parameters->count; k++)
+    if (MpmPhysicsHasParameter(&map->parameters->at[k], material)) (*number)[(*count)++] = k;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -71,20 +83,46 @@ static void SeedNumbers(const MpmStepMap *map, const MpmMaterial *material, cons
   *direction = part.begin < part.end ? seeds : NULL;
 }
 
+/* Directions along numbers of a rate and parameters of the physics. */
+static void SeedRates(const MpmStepMap *map, PetscInt material, const MpmPointDirections *columns, PetscInt pack,
+                      PetscReal seeds[])
+{
+  MpmKernelDirection *direction = &columns->pack[pack];
+  const Part          part      = PartOf(columns->physics, columns->parameter - columns->physics, pack);
+
+  for (PetscInt k = 0; k < MPM_RATE_NUMBERS; k++) {
+    const PetscInt size = MpmRateSize(map, (MpmRateNumber)k);
+
+    Seed(columns->rate[k], size, pack, seeds, MpmRateMember(direction, (MpmRateNumber)k));
+    seeds += size * MPM_PACK;
+  }
+  for (PetscInt c = part.begin; c < part.end; c++)
+    MpmPhysicsDirection(map, &map->parameters->at[columns->number[c - columns->physics]], material,
+                        &seeds[c % MPM_PACK]);
+  direction->physics_parameter = part.begin < part.end ? seeds : NULL;
+}
+
 static PetscErrorCode ColumnsCreate(const MpmStepMap *map, PetscInt inputs, PetscInt material,
                                     MpmPointDirections *columns)
 {
   const MpmMaterial *of   = &map->sum->materials[material];
   const PetscInt     F    = map->sum->points->F_size;
-  const PetscInt     size = inputs + F + of->state_size + (PetscInt)of->info.parameter_count;
-  PetscInt           parameters, fields;
+  const PetscInt     law  = inputs + F + of->state_size + (PetscInt)of->info.parameter_count;
+  const PetscInt     size = law + MpmRateSizes(map) + MpmPhysicsValues(map);
+  PetscInt           physics, parameters, fields;
 
   PetscFunctionBeginUser;
+  PetscCall(FindPhysics(map, material, &physics, &columns->number));
   PetscCall(FindPlaces(map, material, &parameters, &columns->place));
   PetscCall(FindFields(map, material, &fields, &columns->field));
-  columns->F         = inputs;
-  columns->state     = columns->F + F;
-  columns->parameter = columns->state + of->state_size;
+  columns->F       = inputs;
+  columns->state   = columns->F + F;
+  columns->physics = columns->state + of->state_size;
+  for (PetscInt k = 0; k < MPM_RATE_NUMBERS; k++) {
+    columns->rate[k] = columns->physics;
+    columns->physics += MpmRateSize(map, (MpmRateNumber)k);
+  }
+  columns->parameter = columns->physics + physics;
   columns->ground    = columns->parameter + parameters;
   columns->count     = columns->ground + fields;
   columns->packs     = (columns->count + MPM_PACK - 1) / MPM_PACK;
@@ -98,6 +136,7 @@ static PetscErrorCode ColumnsCreate(const MpmStepMap *map, PetscInt inputs, Pets
     Seed(columns->F, F, k, &seeds[inputs * MPM_PACK], &pack->F_n);
     Seed(columns->state, of->state_size, k, &seeds[(inputs + F) * MPM_PACK], &pack->state_n);
     SeedNumbers(map, of, columns, k, &seeds[(inputs + F + of->state_size) * MPM_PACK], &pack->parameter);
+    SeedRates(map, material, columns, k, &seeds[law * MPM_PACK]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -122,8 +161,9 @@ PetscErrorCode MpmPointTableCreate(const MpmStepMap *map, MpmPointTable **table)
   }
   own->record = own->values + own->widest * own->rows * MPM_PACK;
   PetscCall(PetscMalloc1((map->sum->points->count * own->record + 1), &own->at));
-  PetscCall(PetscMalloc4((MPM_F_MAX * MPM_PACK), &own->F, (6 * MPM_PACK), &own->stress,
-                         ((map->sum->kept.state + 1) * MPM_PACK), &own->state, (own->widest * MPM_PACK), &own->totals));
+  PetscCall(PetscMalloc5((MPM_F_MAX * MPM_PACK), &own->F, (6 * MPM_PACK), &own->stress,
+                         ((map->sum->kept.state + 1) * MPM_PACK), &own->state, ((map->sum->kept.own + 1) * MPM_PACK),
+                         &own->own, (own->widest * MPM_PACK), &own->totals));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -132,11 +172,12 @@ PetscErrorCode MpmPointTableDestroy(MpmPointTable **table)
   PetscFunctionBeginUser;
   if (!*table) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt m = 0; m < (*table)->material_count; m++) {
+    PetscCall(PetscFree((*table)->columns[m].number));
     PetscCall(PetscFree((*table)->columns[m].place));
     PetscCall(PetscFree((*table)->columns[m].field));
     PetscCall(PetscFree2((*table)->columns[m].pack, (*table)->columns[m].seeds));
   }
-  PetscCall(PetscFree4((*table)->F, (*table)->stress, (*table)->state, (*table)->totals));
+  PetscCall(PetscFree5((*table)->F, (*table)->stress, (*table)->state, (*table)->own, (*table)->totals));
   PetscCall(PetscFree((*table)->columns));
   PetscCall(PetscFree((*table)->at));
   PetscCall(PetscFree(*table));
@@ -161,20 +202,23 @@ PetscErrorCode MpmPointTableFill(const MpmStepMap *map, PetscInt p, const MpmKer
   const MpmPointTable      *table   = map->table;
   const MpmPointDirections *columns = Columns(map, p);
   const PetscInt            states  = MpmPointStates(map, p);
-  const MpmKernelEnd        slope   = {.state = table->state, .F = table->F, .stress = table->stress};
-  PetscReal                *flux    = &table->at[p * table->record];
+  const MpmKernelEnd        slope = {.state = table->state, .own = table->own, .F = table->F, .stress = table->stress};
+  PetscReal                *flux = &table->at[p * table->record], rates[MPM_MAX_INPUTS + MPM_PACK] = {0.};
 
   PetscFunctionBeginUser;
+  MpmRatesPullInputs(map, p, work->input, end, rates);
   for (PetscInt k = 0; k < columns->packs; k++) {
     PetscReal *bars = Pack(table, p, k);
 
     PetscCheck(
       !map->sum->layout->kernel->sensitivity(point, work->input, &columns->pack[k], flux, &bars[MPM_PACK], &slope),
       PETSC_COMM_SELF, PETSC_ERR_FP, "a point has no answer at the solution of its step");
-    for (PetscInt j = 0; j < MPM_PACK; j++) bars[j] = 0.;
+    for (PetscInt j = 0; j < MPM_PACK; j++) bars[j] = k * MPM_PACK < table->inputs ? rates[k * MPM_PACK + j] : 0.;
     for (PetscInt c = 0; c < end->F_size; c++) MpmPackAdd(end->F[p * end->F_size + c], &table->F[c * MPM_PACK], bars);
     for (PetscInt c = 0; c < states; c++)
       MpmPackAdd(end->state[p * end->state_size + c], &table->state[c * MPM_PACK], bars);
+    for (PetscInt c = 0; c < end->size[MPM_VECTOR_OWN]; c++)
+      MpmPackAdd(MpmPointNumbers(end, MPM_VECTOR_OWN, p)[c], &table->own[c * MPM_PACK], bars);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -226,8 +270,16 @@ void MpmPointTableAdd(const MpmStepMap *map, PetscInt p, const PetscReal totals[
   const MpmPointDirections *columns = Columns(map, p);
 
   for (PetscInt c = columns->F; c < columns->state; c++) start->F[p * start->F_size + c - columns->F] += totals[c];
-  for (PetscInt c = columns->state; c < columns->parameter; c++)
+  for (PetscInt c = columns->state; c < columns->rate[0]; c++)
     start->state[p * start->state_size + c - columns->state] += totals[c];
+  for (PetscInt k = 0; k < MPM_RATE_NUMBERS; k++) {
+    const PetscInt size  = MpmRateSize(map, (MpmRateNumber)k);
+    PetscReal     *array = MpmRateArray(start, map->stage, (MpmRateNumber)k);
+
+    for (PetscInt c = 0; c < size; c++) array[p * size + c] += totals[columns->rate[k] + c];
+  }
+  for (PetscInt c = columns->physics; c < columns->parameter; c++)
+    gradient[columns->number[c - columns->physics]] += totals[c];
   for (PetscInt c = columns->ground; c < columns->count; c++)
     MpmGroundTakePoint(&map->grounds->at[columns->field[c - columns->ground]], map->sum->points, start->dim, p,
                        totals[c]);

@@ -4,16 +4,17 @@
   of the law and fields of these; found once for a step, in packs of directions, for both halves of a pull.
 
   A point's record has the kernel's fluxes q and, of a physics with a mean, m and dm/dinput, then a table for each pack:
-  rows of derivatives of the bars' part  Fbar : F' + zbar . z' , of q, of m and of dm/dinput, a column for each
+  rows of derivatives of the bars' part  Fbar : F' + zbar . z' + ... , of q, of m and of dm/dinput, a column for each
   direction. A new number that kernels take is a new range of columns.
 */
-#include "stepmap/point_work.h"
+#include "stepmap/rates_map.h"
 
-/* Directions of a law's points: inputs, F, history, parameters and fields, from these columns on. */
+/* Directions of a law's points: inputs, F, history, numbers of a rate, parameters and fields, from these columns on. */
 typedef struct {
-  PetscInt            F, state, parameter, ground, count, packs;
-  PetscInt           *place; /* of the parameters in the law's table */
-  PetscInt           *field; /* of the fields among all */
+  PetscInt            F, state, rate[MPM_RATE_NUMBERS], physics, parameter, ground, count, packs;
+  PetscInt           *number; /* of the physics' parameters among all */
+  PetscInt           *place;  /* of the parameters in the law's table */
+  PetscInt           *field;  /* of the fields among all */
   MpmKernelDirection *pack;
   PetscReal          *seeds;
 } MpmPointDirections;
@@ -24,7 +25,7 @@ struct MpmPointTable {
   PetscInt            material_count;
   PetscInt            widest; /* packs of a point */
   MpmPointDirections *columns;
-  PetscReal          *F, *stress, *state, *totals; /* room for one point */
+  PetscReal          *F, *stress, *state, *own, *totals; /* room for one point */
   PetscReal          *at;
 };
 
@@ -46,7 +47,7 @@ PetscErrorCode MpmPointTableFillMean(const MpmStepMap *map, PetscInt p, const Mp
 */
 void MpmPointTableTotals(const MpmStepMap *map, PetscInt p, PetscInt packs, const MpmMeanPull *mean, MpmPointWork *work,
                          PetscReal totals[]);
-/* Adds those by F, history, parameters and fields. */
+/* Adds those by F, history, numbers of a rate, parameters and fields. */
 void MpmPointTableAdd(const MpmStepMap *map, PetscInt p, const PetscReal totals[], MpmPointVector *start,
                       PetscReal gradient[]);
 

@@ -13,7 +13,8 @@ PetscErrorCode MpmPointWorkCreate(const MpmStepMap *map, MpmPointWork *work)
   PetscCall(MpmPointSlopesCreate(sum->space, &work->slopes));
   PetscCall(MpmBasisCreate(sum->space, &work->basis));
   PetscCall(MpmBasisCreate(sum->space, &work->slope));
-  PetscCall(PetscCalloc4(n, &work->u, n, &work->other, n, &work->force, (sum->kept.state + 1), &work->state));
+  PetscCall(PetscCalloc5(n, &work->u, n, &work->other, n, &work->force, (sum->kept.state + 1), &work->state,
+                         (sum->kept.own + 1), &work->own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -23,7 +24,7 @@ PetscErrorCode MpmPointWorkDestroy(MpmPointWork *work)
   PetscCall(MpmPointSlopesDestroy(&work->slopes));
   PetscCall(MpmBasisDestroy(&work->basis));
   PetscCall(MpmBasisDestroy(&work->slope));
-  PetscCall(PetscFree4(work->u, work->other, work->force, work->state));
+  PetscCall(PetscFree5(work->u, work->other, work->force, work->state, work->own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -49,6 +50,7 @@ void MpmPointMake(const MpmStepMap *map, PetscInt p, MpmPointWork *work, MpmKern
 {
   MpmSumPoint(map->sum, p, point);
   point->end.state  = MpmPointStates(map, p) ? work->state : NULL;
+  point->end.own    = map->sum->kept.own ? work->own : NULL;
   point->end.F      = work->F;
   point->end.stress = work->stress;
 }

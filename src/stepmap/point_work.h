@@ -16,7 +16,7 @@ typedef struct {
   MpmBasis       basis, slope;
   PetscReal     *u, *other, *force; /* at the group's nodes, by component */
   PetscReal      input[MPM_MAX_INPUTS], other_input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS];
-  PetscReal      F[MPM_F_MAX], stress[6], *state;
+  PetscReal      F[MPM_F_MAX], stress[6], *state, *own;
 } MpmPointWork;
 
 PetscErrorCode MpmPointWorkCreate(const MpmStepMap *map, MpmPointWork *work);

@@ -240,8 +240,10 @@ static void FindFactors(const Pull *pull, PetscInt p, const PetscReal by_input[]
   const MpmLayout    *layout = pull->map->sum->layout;
   const PetscInt      dim = pull->end->dim, n = work->known.n;
 
-  MpmBasisZero(&work->slope, dim, n);
-  for (PetscInt b = 0; b < MPM_BASES; b++) factor[b] = work->slope.basis[b];
+  for (PetscInt b = 0; b < MPM_BASES; b++) {
+    factor[b] = work->slope.basis[b];
+    for (PetscInt i = 0; i < n; i++) factor[b][i] = 0.;
+  }
   for (PetscInt k = 0; k < work->known.inputs; k++) {
     const PetscInt   c = KnownComponent(work->known, layout, k) * n;
     const PetscReal *u = &work->u[c], *lam = &work->other[c];
@@ -249,8 +251,24 @@ static void FindFactors(const Pull *pull, PetscInt p, const PetscReal by_input[]
 
     for (PetscInt i = 0; i < n; i++) to[i] += by_input[k] * u[i] - work->flux[k] * lam[i];
   }
+  for (PetscInt i = 0; i < n; i++) factor[0][i] += factor[MPM_DEVIATION(dim)][i];
   for (PetscInt a = 0; a < dim; a++)
     for (PetscInt i = 0; i < n; i++) factor[0][i] += pull->end->x[p * dim + a] * work->u[a * n + i];
+}
+
+/* The sum of these factors times the derivatives of the basis functions by an argument; deviations count in the factors
+   of the weights, too. */
+static PetscReal SumSlopes(MpmPointWork *work, const MpmGroup *group, MpmSlopeKind kind, PetscInt axis,
+                           PetscReal *factor[])
+{
+  const MpmSpace  *space = work->slopes.space;
+  PetscReal        sum   = MpmPointSlopesSum(&work->slopes, group, kind, axis, factor);
+  PetscReal *const means = work->basis.basis[MPM_DEVIATION(space->dim)];
+
+  if (!space->shapes.at[0].mean) return sum;
+  MpmPointSlopesMeans(&work->slopes, group, kind, axis, means);
+  for (PetscInt i = 0; i < group->node_count; i++) sum -= means[i] * factor[MPM_DEVIATION(space->dim)][i];
+  return sum;
 }
 
 /* dL by a point's place and F through its weights and shares: by_input are dL/dH, the whole fluxes in work->flux. */
@@ -265,9 +283,8 @@ static PetscErrorCode PullWeights(Pull *pull, const MpmGroup *group, PetscInt s,
   PetscCall(MpmPointSlopesFind(pull->map->rules, pull->map->sum->points, group, p, &work->slopes));
   FindFactors(pull, p, by_input, factor);
   for (PetscInt a = 0; a < dim; a++) {
-    start->x[p * dim + a] +=
-      pull->end->x[p * dim + a] + MpmPointSlopesSum(&work->slopes, group, MPM_BY_PLACE, a, factor);
-    if (work->slopes.domain) half[a] = MpmPointSlopesSum(&work->slopes, group, MPM_BY_LENGTH, a, factor);
+    start->x[p * dim + a] += pull->end->x[p * dim + a] + SumSlopes(work, group, MPM_BY_PLACE, a, factor);
+    if (work->slopes.domain) half[a] = SumSlopes(work, group, MPM_BY_LENGTH, a, factor);
   }
   if (pull->mean) PullShares(pull, s, half);
   MpmPointSlopesPull(&work->slopes, start->F_size, half, &start->x[p * dim], &start->F[p * start->F_size],

@@ -23,10 +23,19 @@ typedef struct {
 
 typedef struct MpmPointTable MpmPointTable;
 
+/*
+  Numbers by point beside the state, as directions or derivatives: deviations at the step's start; F, values and
+  deviations of the first of two stages. NULL: none.
+*/
+typedef struct {
+  PetscReal *deviation_n, *F, *value, *deviation;
+} MpmStageNumbers;
+
 /* A step at its solution, borrowed. */
 typedef struct {
   const MpmRules           *rules;
   const MpmSum             *sum;
+  const MpmPhysics         *physics;
   MpmParticles             *particles;
   const MpmSceneParameters *parameters;
   const MpmFieldParameters *grounds;
@@ -36,6 +45,7 @@ typedef struct {
   const MpmLoad            *loads;
   const PetscReal          *factors; /* of the loads in the step */
   MpmPointTable            *table;   /* of a pull; NULL: of none */
+  const MpmStageNumbers    *stage;   /* of a pull, added to; or NULL */
 } MpmStepMap;
 
 /* A direction: of the state, of one parameter (-1: none), of the solution (NULL: none). */
@@ -44,6 +54,7 @@ typedef struct {
   PetscInt                  parameter;
   const PetscReal          *du;
   const MpmGroundDirection *ground; /* of a field; NULL: none */
+  const MpmStageNumbers    *stage;  /* NULL: none */
 } MpmStepDirection;
 
 /* Up to MPM_PACK directions, dr of each at the local nodes, and ds' of each; NULL: not wanted. */
@@ -84,3 +95,7 @@ PetscErrorCode MpmLoadsPullStart(const MpmStepMap *map, const PetscReal lam[], M
 PetscErrorCode MpmGhostAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[]);
 PetscErrorCode MpmGhostPullSolution(const MpmStepMap *map, const PetscReal lam[], PetscReal u[]);
 PetscErrorCode MpmGhostPullStart(const MpmStepMap *map, const PetscReal lam[], PetscReal gradient[]);
+
+/* Zeros for what a step has beside the state; nothing without a rate. */
+PetscErrorCode MpmStageNumbersCreate(const MpmStepMap *map, MpmStageNumbers *stage);
+PetscErrorCode MpmStageNumbersDestroy(MpmStageNumbers *stage);

@@ -16,6 +16,27 @@ MPM_FN double LawTime(const MpmKernelPoint *point)
   return point->stage ? point->stage->span : point->dt;
 }
 
+/* Keeps a state of the physics' own at the step's end, where it is wanted. */
+MPM_FN void KernelKeepOwn(const MpmKernelPoint *point, int k, double value)
+{
+  if (point->end.F) point->end.own[k] = value;
+}
+
+/*
+  One of the law's moduli: the shear modulus at the step's start, a third of the stiffness where the law has none; shear
+  modulus and stiffness at rest.
+*/
+MPM_FN double KernelModulus(const MpmKernelPoint *point, int k)
+{
+  const MpmLawInfo *info    = point->material.info;
+  const int         thirds  = k < 2 && !info->shear_modulus;
+  const double     *state_n = k ? NULL : point->state_n, *F_n = k ? NULL : point->F_n;
+
+  if (k == 2 || thirds)
+    return (thirds ? 1. / 3. : 1.) * info->stiffness(point->material.parameter, point->material.table, state_n, F_n);
+  return info->shear_modulus(point->material.parameter, point->material.table, state_n, F_n);
+}
+
 #if MPM_DIRECTIONS < 2 || MPM_DIRECTIONS == LAW_DIRECTIONS
 
 /* The Kirchhoff stress at dF. Non-zero where the law has no answer. */

@@ -57,6 +57,16 @@ MPM_FN double ElasticShearModulus(const double *parameter, const MpmLawTable *ta
   return RealValue(LameFromValues(parameter).mu);
 }
 
+/* Both, at any state (MPM_LAW_MODULI()) */
+MPM_FN void ElasticModuli(const Real *parameter, const Real *state, const Real *F, Real moduli[3])
+{
+  const Lame lame = LameFromParameters(parameter);
+
+  (void)state, (void)F;
+  moduli[0] = moduli[1] = lame.mu;
+  moduli[2]             = lame.lambda + 2. * lame.mu;
+}
+
 /* s:s/(4 mu), the energy of elastic shear at a Kirchhoff stress with the deviator s; `pressure` becomes -tr(tau)/3 */
 MPM_FN double ElasticShearEnergy(const double *tau, double mu, double *pressure)
 {

@@ -62,11 +62,33 @@ typedef MpmSensitivity MpmLawEntry;
     } \
   }
 #define MPM_DILATANCY(name_, function_) .dilatancy_sensitivity = Dilatancy_##name_
+/*
+  MPM_LAW_MODULI(name, parameters, states, function) - before MPM_LAW_DEFINE(): function(parameter, state, F, moduli),
+  of Reals, finds the moduli of MpmModuliSensitivity; MPM_MODULI(name) - its member of MpmLawInfo
+*/
+#define MPM_LAW_MODULI(name_, parameters_, states_, function_) \
+  static void Moduli_##name_(const MpmLawInput *input, const MpmLawInput *direction, double value[3], \
+                             double *derivative) \
+  { \
+    for (int first = 0; !first || first < direction->count; first += REAL_DIRECTIONS) { \
+      const RealColumns columns = LawColumns(first, direction->count, direction->stride); \
+      Real              parameter[MPM_ROWS(parameters_)], state[MPM_ROWS(states_) * MPM_SYM], F[MPM_TENSOR], moduli[3]; \
+\
+      LawJoin(MPM_ROWS(parameters_), input->parameter, direction->parameter, columns, parameter); \
+      LawJoin(LawStateSize(states_, MPM_ROWS(states_)), input->state_n, direction->state_n, columns, state); \
+      LawJoin(MPM_TENSOR, input->F_n, direction->F_n, columns, F); \
+      function_(parameter, state, F, moduli); \
+      LawSplit(3, moduli, columns, value, derivative); \
+    } \
+  }
+#define MPM_MODULI(name_) .moduli_sensitivity = Moduli_##name_
 #else
 #define MPM_LAW_FUNCTION(name_, kernel_) kernel_
 #define MPM_LAW_ENTRY(name_, parameters_, states_, kernel_)
 #define MPM_LAW_DILATANCY(name_, parameters_, states_, function_)
 #define MPM_DILATANCY(name_, function_) .dilatancy = function_
+#define MPM_LAW_MODULI(name_, parameters_, states_, function_)
+#define MPM_MODULI(name_) .moduli_sensitivity = NULL
 typedef MPM_INSTANCE(MpmLaw) MpmLawEntry;
 #endif
 

@@ -87,5 +87,7 @@ typedef int (*MPM_INSTANCE(MpmKernel))(const MpmKernelPoint *point, const Scalar
 /* A point as a physics' kernel sees it; in the instances that differentiate by the state at the step's start
    another type. */
 typedef MpmKernelPoint KernelPoint;
+#define KernelAt(point_, array_, k_)      ((point_)->array_[k_])
+#define KernelStageAt(point_, array_, k_) ((point_)->stage->array_[k_])
 #include "compose.h"
 #endif

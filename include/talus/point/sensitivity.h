@@ -75,9 +75,12 @@ typedef struct {
   const MpmKernelDirection *direction;
   RealColumns               columns; /* of the direction's arrays */
   double                   *state;   /* derivatives of the history at the step's end, or NULL */
+  double                   *own;     /* and of the physics' own states */
   MpmKernelMaterial         material;
   const Real               *F_n, *stress_n;
-  double                    volume0;
+  const double             *cell;
+  const MpmKernelStage     *stage;
+  double                    volume0, dt;
   struct {
     Real *F, *stress;
   } end;
@@ -133,14 +136,58 @@ MPM_FN KernelPoint KernelPointCreate(const MpmKernelPoint *values, const MpmKern
   point.direction  = direction;
   point.columns    = LawColumns(first, direction->count, direction->count);
   point.state      = derivative ? derivative->state : NULL;
+  point.own        = derivative ? derivative->own : NULL;
   point.material   = values->material;
   point.F_n        = room->F_n;
   point.stress_n   = NULL;
+  point.cell       = values->cell;
+  point.stage      = values->stage;
   point.volume0    = values->volume0;
+  point.dt         = values->dt;
   point.end.F      = derivative && values->end.F ? room->F : NULL;
   point.end.stress = room->stress;
   LawJoin(MPM_TENSOR, values->F_n, direction->F_n, point.columns, room->F_n);
   return point;
+}
+
+/* Number k of an array with its derivatives, 0 where there is no direction */
+MPM_FN Real KernelReal(const KernelPoint *point, const double *value, const double *direction, int k)
+{
+  if (!direction) return value[k];
+  return RealLoad(value[k], RealRow(direction, k, point->columns), point->columns.count);
+}
+
+/* Number k of an array of a kernel's point, or of its first stage */
+#define KernelAt(point_, array_, k_) KernelReal(point_, (point_)->values->array_, (point_)->direction->array_, k_)
+#define KernelStageAt(point_, array_, k_) \
+  KernelReal(point_, (point_)->stage->array_, (point_)->direction->stage.array_, k_)
+
+/* Keeps a state of the physics' own at the step's end, where it is wanted. */
+MPM_FN void KernelKeepOwn(const KernelPoint *point, int k, Real value)
+{
+  if (!point->own) return;
+  point->values->end.own[k] = RealValue(value);
+  RealStore(value, RealRow(point->own, k, point->columns), point->columns.count);
+}
+
+/* One of the law's moduli, MpmModuliSensitivity, at the step's start */
+MPM_FN Real KernelModulus(const KernelPoint *point, int k)
+{
+  const MpmKernelPoint *values  = point->values;
+  const RealColumns     columns = point->columns, own = {0, columns.count, columns.stride};
+  const MpmLawInput     input = {.parameter = values->material.parameter,
+                                 .table     = values->material.table,
+                                 .state_n   = values->state_n,
+                                 .F_n       = values->F_n};
+  const MpmLawInput     along = {.parameter = LawShift(point->direction->parameter, columns),
+                                 .state_n   = LawShift(point->direction->state_n, columns),
+                                 .F_n       = LawShift(point->direction->F_n, columns),
+                                 .count     = columns.count,
+                                 .stride    = columns.stride};
+  double                value[3], derivative[3 * MPM_PACK];
+
+  values->material.info->moduli_sensitivity(&input, &along, value, derivative);
+  return RealLoad(value[k], RealRow(derivative, k, own), own.count);
 }
 
 /* F and stress of the step's end, where they are wanted. */

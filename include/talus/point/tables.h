@@ -113,6 +113,13 @@ typedef void (*MpmDilatancySensitivity)(const struct MpmLawInput *input, const s
                                         double value[4], double *derivative);
 
 /*
+  The shear modulus at a state and F, then shear modulus and stiffness at rest, Pa, with their derivatives in directions
+  of parameters, state_n and F_n, in rows.
+*/
+typedef void (*MpmModuliSensitivity)(const struct MpmLawInput *input, const struct MpmLawInput *direction,
+                                     double value[3], double *derivative);
+
+/*
   A constitutive law as the registry sees it; `law` is of one compiled form. Functions may be NULL, but for `stiffness`.
 
   check      0 where parameters contradict each other, with the contradiction in `fault`
@@ -138,6 +145,7 @@ typedef void (*MpmDilatancySensitivity)(const struct MpmLawInput *input, const s
              Mayne and Kulhawy 1982). `state` has the values from the scene
   dilatancy  the law's MpmDilatancy, with which F-bar leaves to each point the dilation of its own shear
   dilatancy_sensitivity  its derivatives; NULL: runs in which it acts have none
+  moduli_sensitivity  the law's MpmModuliSensitivity; NULL: runs of a physics with a deviation have no derivatives
   shear_strength  largest shear stress, Pa, that the material carries at a state, where no pressure changes it: bound of
              the traction of a surface that sticks to the material
   energy     elastic energy stored per initial volume, J/m3, at a Kirchhoff stress, Pa, and a deformation gradient, of
@@ -163,6 +171,7 @@ typedef struct {
   double (*energy)(const double *parameter, const MpmLawTable *table, const double *tau, const double *F);
   MpmDilatancy            dilatancy;
   MpmDilatancySensitivity dilatancy_sensitivity;
+  MpmModuliSensitivity    moduli_sensitivity;
   MpmFunction             law;
 } MpmLawInfo;
 
@@ -283,16 +292,18 @@ typedef struct {
 } MpmKernelPoint;
 
 /*
-  Directions in which all that a kernel depends on at a point changes; NULL: that does not. Numbers of tables, of the
-  physics and of time do not change.
+  Directions in which all that a kernel depends on at a point changes; NULL: that does not. Numbers of tables and of
+  time do not change.
 
   Up to MPM_PACK directions: of each number the arrays, and those of derivatives, have a row of `count`; 0: one.
 */
 typedef struct {
-  const double *input;     /* of the kernel */
-  const double *parameter; /* of the law, in the order of its table */
-  const double *state_n, *F_n;
-  int           count;
+  const double  *input;     /* of the kernel */
+  const double  *parameter; /* of the law, in the order of its table */
+  const double  *state_n, *F_n;
+  const double  *physics_parameter, *value_n, *deviation_n, *own_n, *gravity; /* as those of MpmKernelPoint */
+  MpmKernelStage stage;                                                       /* of its arrays */
+  int            count;
 } MpmKernelDirection;
 
 /*
@@ -416,7 +427,10 @@ typedef struct {
   prepare  derives further values from those that a material's block has, once they are read, with the scene's gravity,
            or that of the Earth, m/s2; returns NULL, or a fault of one of them: "porosity is missing: must be > 0 and <
            1"
+  change   derivatives of all values, as `prepare` has left them, by the number that a place of the table had before;
+           they are 0 on entry. NULL: 1 at that place
   initial  the physics' states of a point at the start, beside the table of states
+  initial_change  derivatives of these states by the number at a place; NULL: they are 0
   ghost  factor of the ghost penalty on the one component beside the displacement, in the sign of its equation, where
          Young's modulus stands for the displacement: of a material, for a step dt in cells of h
   symmetric  whether MPM_PHYSICS_SYMMETRIC holds with these values of a material
@@ -438,8 +452,12 @@ typedef struct {
   unsigned                  traits; /* MpmPhysicsTrait values, or-ed */
   const char               *fbar;   /* the physics that takes its place with F-bar; NULL: none */
   int taken_up; /* 1 + place, in `common`, of the density of what a point takes up with its volume; 0: nothing */
-  const char *(*prepare)(const MpmPhysicsMaterial *material, double gravity, double *value);
-  void (*initial)(const MpmPhysicsMaterial *material, const double *value, const double *state, double *own);
+  struct {
+    const char *(*prepare)(const MpmPhysicsMaterial *material, double gravity, double *value);
+    void (*change)(const double *value, int place, double *derivative);
+    void (*initial)(const MpmPhysicsMaterial *material, const double *value, const double *state, double *own);
+    void (*initial_change)(int place, double *own);
+  };
   int (*symmetric)(const MpmPhysicsMaterial *material, const double *value);
   double (*ghost)(const MpmPhysicsMaterial *material, const double *value, double dt, double h);
 } MpmPhysics;

@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+"""Derivatives of runs with water in closed form: both methods, ranks, identities, and twins, whole runs of changed scenes.
+
+Quick.
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Test  # noqa: E402
+
+SCENE = Path(__file__).resolve().parent / "gradient_poro.yaml"
+EXACT = {"snes_rtol": 1e-13, "snes_stol": 0, "mpm_quiet": None, "mpm_output_every": 0}
+NUMBERS = "clay.E,clay.nu,clay.permeability,water.viscosity,clay.porosity,water.modulus,strip.factor"
+FINITE = {"mpm_material_clay_type": "neo_hookean", "mpm_material_clay_permeability_law": "kozeny_carman"}
+LAWS = {
+    "small": ({"mpm_stabilization_fbar": "false"}, NUMBERS),
+    "small.means": ({"mpm_stabilization_fbar": "true"}, NUMBERS),
+    "finite": ({**FINITE, "mpm_stabilization_fbar": "false", "mpm_shape": "gimp_bspline2"}, NUMBERS),
+    "finite.means": ({**FINITE, "mpm_stabilization_fbar": "true"}, NUMBERS),
+    "finite.spread": ({"mpm_material_clay_type": "neo_hookean", "mpm_material_clay_permeability_law": "uzuoka_borja",
+                       "mpm_stabilization_fbar": "spread"}, NUMBERS),
+    "plastic": ({"mpm_material_clay_type": "mohr_coulomb", "mpm_material_clay_cohesion": 8e3, "mpm_material_clay_friction": 20,
+                 "mpm_material_clay_dilation": 5, "mpm_stabilization_fbar": "true"},
+                "clay.cohesion,clay.friction,clay.permeability,water.viscosity"),
+}
+
+
+def differentiate(test, parameters, method, ranks=1, column="track_edge_uy", scene=SCENE, **options):
+    """Last value of a column, its gradient and the method of each derivative."""
+    run = test.run(scene, ranks=ranks, mpm_task="gradient", mpm_gradient_parameters=parameters, mpm_gradient_method=method,
+                   mpm_objectives="u", mpm_objective_u_column=column, mpm_objective_u_kind="value", **{**EXACT, **options})
+    summary = run.results.summary
+    return summary["objective"], np.array(summary["gradient"]), summary["gradient_method"]
+
+
+def compare(test, label, parameters, twins=1e-6, **options):
+    """The adjoint's gradient, which the tangent, three ranks, and twins have, too."""
+    value, gradient, methods = differentiate(test, parameters, "adjoint", **options)
+    test.check(f"{label}.closed", sum(method == "adjoint" for method in methods), len(gradient), len(gradient))
+    for method, ranks, bound in (("tangent", 1, 1e-10), ("adjoint", 3, 1e-8), ("twins", 1, twins)):
+        _, other, _ = differentiate(test, parameters, method, ranks, **options)
+        test.near(f"{label}.{method}.ranks={ranks}", abs(other / gradient - 1.0).max(), 0.0, absolute=bound)
+    return value, gradient
+
+
+with Test() as test:
+    for label, (options, parameters) in LAWS.items():
+        value, gradient = compare(test, label, parameters, **options)
+        names = parameters.split(",")
+        time = gradient[names.index("clay.permeability")] * 1e-12 + gradient[names.index("water.viscosity")] * 1e-3
+        test.near(label + ".time", time, 0.0, absolute=1e-9 * abs(gradient[names.index("water.viscosity")]) * 1e-3)
+        if "strip.factor" in names:
+            forces = gradient[names.index("clay.E")] * 1e6 + gradient[names.index("strip.factor")] + \
+                gradient[names.index("water.modulus")] * 1e8 - gradient[names.index("clay.permeability")] * 1e-12
+            test.near(label + ".forces", forces, 0.0, absolute=1e-9 * abs(value))
+    # the flow out of the nodes at which the pressure is held
+    compare(test, "flow", "clay.E,clay.permeability,strip.factor", column="reaction_top_p")
+    # conductivity in place of permeability: the viscosity is in it, the density of the water divides it
+    scene = test.folder() / "conductivity.yaml"
+    scene.write_text(SCENE.read_text(encoding="utf-8").replace("permeability: 1e-12", "conductivity: 1e-8"), encoding="utf-8")
+    _, gradient = compare(test, "conductivity", "clay.conductivity,water.density", scene=scene)
+    test.near("conductivity.density", gradient[0] * 1e-8, -gradient[1] * 1e3, relative=1e-9)
