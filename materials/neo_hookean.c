@@ -143,7 +143,23 @@ static double MpmMaterialEnergy_neo_hookean(const double *parameter, const MpmLa
   return 0.5 * mu * (trace - 3. - 2. * ln) + lambda * U;
 }
 
+/* lambda U, or k U */
+static void MpmMaterialVolumetric_neo_hookean(const double *parameter, const MpmLawTable *table, double J,
+                                              double value[3])
+{
+  const Lame   lame      = LameFromValues(parameter);
+  const double bulk      = RealValue(lame.lambda) + (parameter[SHEAR] > 0.5 ? 2. / 3. * RealValue(lame.mu) : 0.);
+  const double ln        = log(J);
+  const int    quadratic = parameter[VOLUMETRIC] > 0.5;
+
+  (void)table;
+  value[0] = bulk * (quadratic ? 0.25 * (J * J - 1. - 2. * ln) : 0.5 * ln * ln);
+  value[1] = bulk * (quadratic ? 0.5 * (J * J - 1.) : ln);
+  value[2] = bulk * (quadratic ? J : 1. / J);
+}
+
 MPM_LAW_DEFINE(neo_hookean, parameters, states, MpmMaterialEvaluate_neo_hookean,
                .summary = "compressible neo-Hookean elasticity", .traits = MPM_LAW_SYMMETRIC,
                .stiffness = MpmMaterialStiffness_neo_hookean, .shear_modulus = MpmMaterialShearModulus_neo_hookean,
-               .energy = MpmMaterialEnergy_neo_hookean, MPM_MODULI(neo_hookean))
+               .energy = MpmMaterialEnergy_neo_hookean, .volumetric = MpmMaterialVolumetric_neo_hookean,
+               MPM_MODULI(neo_hookean))

@@ -172,7 +172,19 @@ static double MpmMaterialEnergy_ogden(const double *parameter, const MpmLawTable
   return energy;
 }
 
+/* (k/4) (J^2 - 1 - 2 ln J) */
+static void MpmMaterialVolumetric_ogden(const double *parameter, const MpmLawTable *table, double J, double value[3])
+{
+  const MpmLawPoint point = {.table = table};
+  const double      bulk  = RealValue(BulkModulus(parameter[BULK_MODULUS], parameter[NU], ShearModulus(&point)));
+
+  value[0] = 0.25 * bulk * (J * J - 1. - 2. * log(J));
+  value[1] = 0.5 * bulk * (J * J - 1.);
+  value[2] = bulk * J;
+}
+
 MPM_LAW_DEFINE(ogden, parameters, states, MpmMaterialEvaluate_ogden,
                .summary = "compressible elasticity in powers of the principal stretches", .traits = MPM_LAW_SYMMETRIC,
                .check = MpmMaterialCheck_ogden, .stiffness = MpmMaterialStiffness_ogden,
-               .shear_modulus = MpmMaterialShearModulus_ogden, .energy = MpmMaterialEnergy_ogden)
+               .shear_modulus = MpmMaterialShearModulus_ogden, .energy = MpmMaterialEnergy_ogden,
+               .volumetric = MpmMaterialVolumetric_ogden)

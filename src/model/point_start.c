@@ -157,7 +157,7 @@ static void TakeFields(MpmModel model, MpmBody body, PetscInt row, PetscInt p, M
     own += size;
   }
   for (PetscInt r = 0; r < layout->rate.count; r++) {
-    const PetscReal *value = MpmBodyFilePressure(body, layout->component[layout->rate.component[r]].name);
+    const PetscReal *value = MpmBodyFileStart(body, layout->component[layout->rate.component[r]].name);
 
     if (value) points->physics.value[p * layout->rate.count + r] = value[row];
   }

@@ -93,7 +93,7 @@ static PetscErrorCode (*const parts[])(MpmModel, MpmColumns *) = {MpmStepAddColu
                                                                   MpmReductionAddColumns,  MpmConsolidationAddColumns,
                                                                   MpmTracksAddVelocities,  MpmEnergyAddColumns,
                                                                   MpmRelaxationAddColumns, MpmRunoutAddColumns,
-                                                                  MpmSignatureAddColumns};
+                                                                  MpmDamageAddColumns,     MpmSignatureAddColumns};
 
 /* Columns of the library's caller follow the scene's. */
 static PetscErrorCode AddCallers(MpmModel model, MpmColumns *columns)

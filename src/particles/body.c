@@ -242,16 +242,19 @@ PetscBool MpmBodyVolume(MpmBody body, PetscReal *exact, PetscReal *points)
   return (PetscBool)(body->release != NULL);
 }
 
-PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body)
+PetscErrorCode MpmBodyReadStart(const MpmOptions *options, const char *name, const char *field, MpmBody body)
 {
-  char             prefix[256];
+  char             prefix[256], key[64];
+  const PetscBool  water = (PetscBool)!strcmp(field, "pressure");
   const MpmOptions block = {options->comm, prefix, options->record};
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
-  PetscCall(MpmOptionsReal(&block, "initial_pressure", "Pa",
-                           "pressure of the water to start with, beyond the hydrostatic one", MPM_RANGE_ANY,
-                           MPM_OPTIONAL, &body->start.pressure, &body->start.own_pressure));
+  PetscCall(PetscSNPrintf(key, sizeof(key), "initial_%s", field));
+  PetscCall(MpmOptionsReal(&block, key, water ? "Pa" : "-",
+                           water ? "pressure of the water to start with, beyond the hydrostatic one"
+                                 : "value of the field to start with",
+                           MPM_RANGE_ANY, MPM_OPTIONAL, &body->start.value, &body->start.own_value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -280,14 +283,14 @@ PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const PetscReal *MpmBodyFilePressure(MpmBody body, const char *name)
+const PetscReal *MpmBodyFileStart(MpmBody body, const char *name)
 {
-  return body->start.own_pressure ? NULL : MpmBodyFileField(body, name);
+  return body->start.own_value ? NULL : MpmBodyFileField(body, name);
 }
 
-PetscReal MpmBodyPressure(const MpmBody body)
+PetscReal MpmBodyStart(const MpmBody body)
 {
-  return body->start.pressure;
+  return body->start.value;
 }
 
 PetscErrorCode MpmBodyDestroy(MpmBody *body)

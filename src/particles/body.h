@@ -25,13 +25,14 @@ PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, cons
 /* A field, point by point as they are made, or NULL where the file has none; the water's pressure, which an excess in
    the body's block replaces; and whether the file has masses. */
 const PetscReal *MpmBodyFileField(MpmBody body, const char *name);
-const PetscReal *MpmBodyFilePressure(MpmBody body, const char *name);
+const PetscReal *MpmBodyFileStart(MpmBody body, const char *name);
 PetscBool        MpmBodyFileHasMass(MpmBody body);
 /* The passage between columns and points that made its own (handover/handover.h), or NULL. */
 const struct MpmHandover *MpmBodyHandover(MpmBody body);
-/* The excess of the water's pressure that its points start with, Pa, where the physics has water. */
-PetscErrorCode MpmBodyReadPressure(const MpmOptions *options, const char *name, MpmBody body);
-PetscReal      MpmBodyPressure(const MpmBody body);
+/* The value of the field with a rate that its points start with, `initial_<field>`; of the water's pressure, Pa, the
+   excess. */
+PetscErrorCode MpmBodyReadStart(const MpmOptions *options, const char *name, const char *field, MpmBody body);
+PetscReal      MpmBodyStart(const MpmBody body);
 /*
   Initial velocity of its points, the block's or that of its file, and the block's angular velocity about the centre of
   mass, by which points turn, too, as the shape keeps it. `given` is the option in the block, or NULL; `file` the file

@@ -15,10 +15,10 @@ struct _p_MpmBody {
   MpmImported    imported; /* where the region is a file */
   MpmBodyInitial initial;
   struct {
-    PetscReal *stress;       /* Cauchy, with which its points start, Pa; or NULL */
-    PetscReal  pressure;     /* of the water, beyond the hydrostatic one */
-    PetscBool  own_pressure; /* the block has it, and it counts for points from a file, too */
-    int        wrong;        /* fault of its stress, as MpmBodyStressFill() has it */
+    PetscReal *stress;    /* Cauchy, with which its points start, Pa; or NULL */
+    PetscReal  value;     /* of a field with a rate; of the water's pressure beyond the hydrostatic one */
+    PetscBool  own_value; /* the block has it, and it counts for points from a file, too */
+    int        wrong;     /* fault of its stress, as MpmBodyStressFill() has it */
   } start;
   struct {
     PetscBool of_block;                       /* the velocity is its block's, and counts for points from a file, too */

@@ -56,9 +56,10 @@ typedef struct MpmLayout {
     PetscInt taken_up; /* place, among the physics' values, of the density of water taken up; -1: none */
   } own;
   struct {
-    PetscBool saddle; /* the Jacobian is that of a saddle point */
-    PetscBool solid;  /* the displacement's gradient is all that the kernel sees */
-    PetscBool biot;   /* MPM_PHYSICS_BIOT */
+    PetscBool saddle;    /* the Jacobian is that of a saddle point */
+    PetscBool solid;     /* the displacement's gradient is all that the kernel sees */
+    PetscBool biot;      /* MPM_PHYSICS_BIOT */
+    PetscBool alternate; /* MPM_PHYSICS_ALTERNATE */
   } traits;
   double (*ghost)(const MpmPhysicsMaterial *material, const double *value, double dt,
                   double h); /* as the physics has it */
@@ -71,5 +72,5 @@ PetscBool MpmLayoutUsesValues(const MpmLayout *layout);
 /* True where any of them needs the deviations of a shape. */
 PetscBool MpmLayoutUsesDeviation(const MpmLayout *layout, PetscInt shape);
 /* The unknown of a node that is the pressure of water, or -1: a field with a rate and a gradient, of the scene's
-   shape. */
+   shape, that is measured in a stress. */
 PetscInt MpmPressureComponent(const MpmLayout *layout);

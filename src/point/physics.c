@@ -130,6 +130,7 @@ static PetscErrorCode SetTraits(const MpmPhysics *physics, MpmLayout *layout)
   layout->traits.solid =
     (PetscBool)(physics->field_count == 1 && layout->input.count == MpmKinematicsF((int)layout->kinematics) &&
                 layout->block == dim);
+  layout->traits.alternate = (PetscBool)((physics->traits & MPM_PHYSICS_ALTERNATE) != 0);
   layout->traits.biot = (PetscBool)((physics->traits & MPM_PHYSICS_BIOT) != 0);
   PetscCheck(
     !layout->traits.biot || (physics->field_count == 2 && layout->shape_count == 1 && layout->block == dim + 1 &&
@@ -229,6 +230,7 @@ PetscInt MpmPressureComponent(const MpmLayout *layout)
   for (PetscInt r = 0; r < layout->rate.count; r++) {
     const PetscInt c = layout->rate.component[r];
 
+    if (layout->component[c].scale != MPM_SCALE_STRESS) continue;
     for (PetscInt k = layout->input.by_component.first[c]; k < layout->input.by_component.first[c + 1]; k++)
       if (layout->input.basis[layout->input.by_component.input[k]] == 1) return c;
   }

@@ -112,6 +112,11 @@ void MpmDiscretizationSetStep(MpmDiscretization *disc, const MpmSumStep *step)
   disc->set->step = *step;
 }
 
+void MpmDiscretizationSetAlternate(MpmDiscretization *disc, PetscBool alternate)
+{
+  disc->set->step.alternate = alternate;
+}
+
 PetscErrorCode MpmDiscretizationSetDeviations(MpmDiscretization *disc, PetscReal deviation_n[])
 {
   PetscFunctionBeginUser;

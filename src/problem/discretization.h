@@ -74,6 +74,7 @@ PetscErrorCode MpmDiscretizationAddTerms(MpmDiscretization *disc, MpmAddedTerms 
   pass to the problem.
 */
 void           MpmDiscretizationSetStep(MpmDiscretization *disc, const MpmSumStep *step);
+void           MpmDiscretizationSetAlternate(MpmDiscretization *disc, PetscBool alternate);
 PetscErrorCode MpmDiscretizationSetDeviations(MpmDiscretization *disc, PetscReal deviation_n[]);
 PetscErrorCode MpmDiscretizationSetWater(MpmDiscretization *disc, const MpmWaterAtRest *still);
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc);

@@ -39,6 +39,7 @@ static PetscErrorCode LookAhead(MpmSolver *solver, SNES snes)
 
   PetscFunctionBeginUser;
   PetscCall(SNESGetIterationNumber(snes, &it));
+  if (solver->disc->layout->traits.alternate) PetscFunctionReturn(PETSC_SUCCESS); /* the next one may be another */
   solver->cache.ahead = (PetscBool)(solver->cache.solving && it + 1 < solver->cache.reuse.needed_last_time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -340,7 +341,8 @@ PetscErrorCode MpmLineSearch(SNESLineSearch object, void *ctx)
   PetscCall(SNESLineSearchGetVecs(object, &search.X, &search.F, &search.Y, &search.W, &search.G));
   PetscCall(SNESLineSearchGetNorms(object, &xnorm, &search.fnorm, &ynorm));
   PetscCall(SNESGetIterationNumber(snes, &search.it));
-  if (!MpmFieldsDoWork(search.solver->disc->layout)) PetscCall(SearchByNorm(&search, &found));
+  if (search.solver->disc->layout->traits.alternate) PetscCall(MpmSearchInTurn(&search, &found));
+  else if (!MpmFieldsDoWork(search.solver->disc->layout)) PetscCall(SearchByNorm(&search, &found));
   else if (search.solver->careful) PetscCall(SearchByBracket(&search, &found));
   else PetscCall(SearchByWork(&search, &found));
   if (found && search.solver->cache.minimisation.on) PetscCall(MpmSearchDescend(&search, &found));

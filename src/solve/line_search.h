@@ -21,6 +21,9 @@ PetscErrorCode MpmSearchTry(MpmSearch *search);
 */
 PetscErrorCode MpmSearchDescend(MpmSearch *search, PetscBool *found);
 PetscErrorCode MpmSearchTaken(MpmSearch *search);
+/* The search of fields in turn (alternate.c); and what the next Jacobian of iteration `it` is. */
+PetscErrorCode MpmSearchInTurn(MpmSearch *search, PetscBool *found);
+void           MpmAlternationBegin(MpmSolver *solver, PetscInt it);
 /* The objective for SNES; ctx: the solver. */
 PetscErrorCode MpmObjective(SNES snes, Vec x, PetscReal *value, void *ctx);
 /* The program's own line search, as SNES calls it; ctx: the solver. */

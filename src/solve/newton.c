@@ -110,6 +110,7 @@ static PetscErrorCode AssembleJacobian(MpmSolver *solver, Vec x, Mat P)
 */
 static PetscBool LastWillDo(const MpmSolver *solver, PetscInt it, PetscReal fnorm, PetscReal target)
 {
+  if (solver->disc->layout->traits.alternate) return PETSC_FALSE;
   if (!solver->cache.solving || !solver->cache.reuse.allowed || !it || solver->cache.reuse.last) return PETSC_FALSE;
   return (PetscBool)(fnorm * fnorm <= 0.3 * target * solver->cache.fnorm_last);
 }
@@ -134,6 +135,7 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
   solver->cache.reuse.last = (PetscBool)(last && solver->cache.assembled);
   if (solver->cache.reuse.last) PetscFunctionReturn(PETSC_SUCCESS);
   if (!last) solver->cache.reuse.needed++;
+  if (solver->disc->layout->traits.alternate && solver->cache.solving) MpmAlternationBegin(solver, it);
   PetscCall(MpmMonitorBegin(solver->monitor, MPM_TIME_JACOBIAN, &since));
   if (solver->jacobian.assembled) PetscCall(AssembleJacobian(solver, x, P));
   if (solver->jacobian.shell) PetscCall(MpmMatfreeSetState(J, x));
@@ -144,6 +146,7 @@ static PetscErrorCode FormJacobian(SNES snes, Vec x, Mat J, Mat P, void *ctx)
 /* More where each one leads downhill: a step that is far too long gets there, which cuts would not do sooner. */
 #define ITERATIONS          25
 #define ITERATIONS_DOWNHILL 50
+#define ITERATIONS_IN_TURN  5000 /* a crack that runs */
 
 PetscErrorCode MpmNewtonAttach(MpmSolver *solver)
 {
@@ -152,7 +155,10 @@ PetscErrorCode MpmNewtonAttach(MpmSolver *solver)
   PetscFunctionBeginUser;
   PetscCall(SNESSetType(solver->snes, SNESNEWTONLS));
   PetscCall(SNESSetTolerances(solver->snes, PETSC_DEFAULT, 1e-8, 0.,
-                              solver->cache.minimisation.on ? ITERATIONS_DOWNHILL : ITERATIONS, PETSC_DEFAULT));
+                              solver->disc->layout->traits.alternate ? ITERATIONS_IN_TURN
+                              : solver->cache.minimisation.on        ? ITERATIONS_DOWNHILL
+                                                                     : ITERATIONS,
+                              PETSC_DEFAULT));
   PetscCall(SNESSetDivergenceTolerance(solver->snes, 1e12));
   PetscCall(SNESGetLineSearch(solver->snes, &search));
   PetscCall(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));

@@ -69,6 +69,12 @@ typedef struct {
   PetscObjectId modes; /* the near null space that the displacement's comes from */
 } MpmFieldsplit;
 
+/* Iterations in which fields are solved for in turn (alternate.c). */
+typedef struct {
+  PetscBool in_turn;     /* the present Jacobian is that of fields in turn */
+  PetscInt  left, again; /* iterations until the next attempt on all fields, and after that if it fails */
+} MpmAlternation;
+
 /* A full step that the line search would have cut short was taken. */
 typedef struct {
   Vec       x, y;               /* where it started, and its direction; NULL: there is none */
@@ -134,6 +140,7 @@ typedef struct {
   MpmFieldsplit      split;
   MpmEvaluations     cache;
   MpmExcursion       excursion;
+  MpmAlternation     alternation;
   struct {
     MpmUnstable choice; /* action where the tangent loses definiteness */
     PetscBool   told;   /* a loss was reported */

@@ -280,7 +280,8 @@ static PetscErrorCode Newton(MpmSolver *solver, SNESConvergedReason *reason)
 
   PetscFunctionBeginUser;
   do {
-    solver->cache.solving = solver->cache.ahead = PETSC_TRUE;
+    solver->cache.solving = PETSC_TRUE;
+    solver->cache.ahead   = (PetscBool)!solver->disc->layout->traits.alternate;
     if (MpmSolverHasContact(solver)) {
       PetscCall(MpmGatherSolution(solver, solver->x));
       PetscCall(MpmTermsNewtonBegin(solver->disc->terms, solver->disc->sum, solver->disc->nodal.u, solver->careful));
@@ -288,6 +289,7 @@ static PetscErrorCode Newton(MpmSolver *solver, SNESConvergedReason *reason)
     PetscCall(SNESSolve(solver->snes, NULL, solver->x));
     MpmTermsNewtonEnd(solver->disc->terms);
     solver->cache.solving = PETSC_FALSE;
+    MpmDiscretizationSetAlternate(solver->disc, PETSC_FALSE);
     PetscCall(SNESGetConvergedReason(solver->snes, reason));
     PetscCall(SNESGetIterationNumber(solver->snes, &newton));
     PetscCall(SNESGetLinearSolveIterations(solver->snes, &linear));

@@ -37,7 +37,8 @@ MPM_INLINE void MpmSumPoint(const MpmSum *sum, PetscInt p, MpmKernelPoint *point
   point->stage              = sum->step.first ? &sum->step.first[p] : NULL;
   point->volume0            = sum->step.part * points->volume0[p];
   point->dt                 = sum->step.dt;
-  point->material.traits    = material->info.traits | (sum->step.drained ? MPM_POINT_DRAINED : 0u);
+  point->material.traits    = material->info.traits | (sum->step.drained ? MPM_POINT_DRAINED : 0u) |
+                           (sum->step.alternate ? MPM_POINT_ALTERNATE : 0u);
   point->material.law       = material->law;
   point->material.table     = material->table;
   point->material.dilatancy = material->dilatancy;

@@ -35,6 +35,7 @@ typedef struct MpmSumStep {
   PetscReal part; /* of the points' forces in the balance: 1, or less where some of it is the step's start's */
   PetscReal gravity[MPM_MAX_DIM]; /* at the step's end, m/s2 */
   PetscBool drained;              /* the pressure of the water is that of a steady flow */
+  PetscBool alternate;            /* tangents have MPM_POINT_ALTERNATE */
   const MpmKernelStage *first;    /* of each point, in the second of two stages (sdirk.c); or NULL */
 } MpmSumStep;
 

@@ -177,9 +177,10 @@ PetscErrorCode MpmWaterRead(MpmModel model, const MpmOptions *options)
   PetscReal        bounds[2 * MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bodies->count && layout->rate.count == 1; b++)
+    PetscCall(MpmBodyReadStart(options, model->scene.bodies->names[b],
+                               layout->component[layout->rate.component[0]].name, model->scene.bodies->at[b]));
   if (MpmPressureComponent(layout) < 0 || layout->own.taken_up < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt b = 0; b < model->scene.bodies->count; b++)
-    PetscCall(MpmBodyReadPressure(options, model->scene.bodies->names[b], model->scene.bodies->at[b]));
   model->scene.water->weight = model->scene.materials->at[0].physics_parameter[layout->own.taken_up];
   for (PetscInt a = 0; a < model->disc.dim; a++) {
     bounds[a]               = model->disc.grid->lower[a];
@@ -195,14 +196,14 @@ PetscErrorCode MpmWaterRead(MpmModel model, const MpmOptions *options)
 PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end)
 {
   const PetscInt dim = model->disc.dim, rates = model->disc.layout->rate.count;
-  const char    *pressure;
+  const char    *field;
   MpmStillWater  still;
   PetscInt      *body;
   MpmPoints      points;
 
   PetscFunctionBeginUser;
-  if (MpmPressureComponent(model->disc.layout) < 0) PetscFunctionReturn(PETSC_SUCCESS);
-  pressure = model->disc.layout->component[MpmPressureComponent(model->disc.layout)].name;
+  if (rates != 1) PetscFunctionReturn(PETSC_SUCCESS);
+  field = model->disc.layout->component[model->disc.layout->rate.component[0]].name;
   PetscCall(FindStill(model, model->state.time, &still));
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   PetscCall(PetscMalloc1(points.count, &body));
@@ -212,8 +213,8 @@ PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end)
     PetscReal       *gradient = &points.physics.value_gradient[p * rates * dim];
 
     if (points.id[p] < first || points.id[p] >= end) continue;
-    if (MpmBodyFilePressure(model->scene.bodies->at[body[p]], pressure)) continue; /* its own */
-    points.physics.value[p * rates] = MpmBodyPressure(model->scene.bodies->at[body[p]]);
+    if (MpmBodyFileStart(model->scene.bodies->at[body[p]], field)) continue; /* its own */
+    points.physics.value[p * rates] = MpmBodyStart(model->scene.bodies->at[body[p]]);
     for (PetscInt a = 0; a < dim; a++) gradient[a] = 0.;
     if (still.table->there)
       points.physics.value[p * rates] += AtPoint(&still, model, &points.x[p * dim], half, gradient);

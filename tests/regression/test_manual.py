@@ -106,7 +106,7 @@ def check_json(test, options):
     test.check("json.axes", by_name["mpm_grid_lower"][0]["count"] == "axes" and by_name["mpm_grid_lower"][0]["unit"] == "m", 1, 1)
     test.check("json.choices", "gimp" in by_name["mpm_shape"][0]["choices"] and by_name["mpm_shape"][0]["default"] == "gimp", 1, 1)
     physics = {name for option in options for name in option["physics"]}
-    test.check("json.all_physics", physics == {"solid", "poro", "depth_averaged", "stress_point"}, 1, 1)
+    test.check("json.all_physics", physics == {"solid", "poro", "damage", "depth_averaged", "stress_point"}, 1, 1)
 
 
 def scenes():

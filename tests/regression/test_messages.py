@@ -49,7 +49,7 @@ REFUSED = [
     ("slip_in_block", {"s.yaml": SCENE.replace("{type: hencky, E", "{type: hencky, colour: red, E")}, ["s.yaml"],
      "-mpm_material_soil_colour: unknown option$"),
     ("slip_of_three", {}, ["s.yaml", "-mpm_load_weight_vlau_", "2"], "-mpm_load_weight_vlau_: unknown option$"),
-    ("word", {}, ["s.yaml", "-mpm_physics", "pore"], "-mpm_physics pore: must be one of depth_averaged, poro, solid, stress_point$"),
+    ("word", {}, ["s.yaml", "-mpm_physics", "pore"], "-mpm_physics pore: must be one of damage, depth_averaged, poro, solid, stress_point$"),
     ("of_petsc", {}, ["s.yaml", "-ksp_rtoll", "1e-8"], "-ksp_rtoll: unknown option; did you mean -ksp_rtol?$"),
     ("of_petsc_in_file", {"s.yaml": SCENE + "mg_levels_pc_typ: jacobi\n"}, ["s.yaml"],
      "-mg_levels_pc_typ: unknown option; did you mean -mg_levels_pc_type?$"),

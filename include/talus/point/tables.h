@@ -151,6 +151,8 @@ typedef void (*MpmModuliSensitivity)(const struct MpmLawInput *input, const stru
   energy     elastic energy stored per initial volume, J/m3, at a Kirchhoff stress, Pa, and a deformation gradient, of
              laws whose stress is a derivative of it in elastic steps. NULL: that of linear elasticity with the bulk and
              shear modulus at the state, which is Hencky's and Hooke's
+  volumetric  of a law with `energy` the part of it that depends on J alone, J/m3, the Kirchhoff pressure that it gives,
+             tension positive, Pa, and the slope of that by J. NULL: the law does not divide its energy so
 */
 typedef struct {
   const char             *name;
@@ -169,6 +171,7 @@ typedef struct {
   double (*k0)(const double *parameter, const MpmLawTable *table, const double *state, double weight);
   double (*shear_strength)(const double *parameter, const double *state);
   double (*energy)(const double *parameter, const MpmLawTable *table, const double *tau, const double *F);
+  void (*volumetric)(const double *parameter, const MpmLawTable *table, double J, double value[3]);
   MpmDilatancy            dilatancy;
   MpmDilatancySensitivity dilatancy_sensitivity;
   MpmModuliSensitivity    moduli_sensitivity;
@@ -264,6 +267,9 @@ typedef struct {
   unsigned           traits;    /* of the law, MpmLawTrait */
   MpmDilatancy       dilatancy; /* where the mean over the cell is to leave dilation to the points; or NULL */
 } MpmKernelMaterial;
+
+/* Among the traits of a point's material: the tangent that the fields of MPM_PHYSICS_ALTERNATE are solved by in turn. */
+#define MPM_POINT_ALTERNATE (1u << 30)
 
 /* Destinations of a point's state at the step's end. */
 typedef struct {
@@ -393,6 +399,9 @@ typedef struct {
                          deviation on itself alone: other entries of the tangent are ignored
   MPM_PHYSICS_STRESS     one field, the displacement, whose flux is that of the stress which the points keep: an
                          explicit step takes forces from that stress and does not call the kernel for them
+  MPM_PHYSICS_ALTERNATE  two fields, in each of which the energy is convex while the other is held, but not in both:
+                         Newton's method falls back on minimising by one after the other. With MPM_POINT_ALTERNATE among
+                         a point's traits the tangent leaves out what the displacement does to the other field's fluxes
 */
 typedef enum {
   MPM_PHYSICS_SYMMETRIC = 1,
@@ -400,7 +409,8 @@ typedef enum {
   MPM_PHYSICS_STAGES    = 16,
   MPM_PHYSICS_SADDLE    = 32,
   MPM_PHYSICS_BIOT      = 64,
-  MPM_PHYSICS_STRESS    = 128
+  MPM_PHYSICS_STRESS    = 128,
+  MPM_PHYSICS_ALTERNATE = 512
 } MpmPhysicsTrait;
 
 /* A number of the scene, -mpm_<block>_<name>, that a physics' kernel needs at every point. */

@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""Phase-field fracture: one homogeneous point by its closed form, and a bar that breaks.
+
+A homogeneous point has no gradient of damage: (1 - eta) 2 (1 - d) psi+ = G_c w'(d)/(c_w l) gives d, and the stress
+g(d) tau+ + tau-, by the energy of the neo-Hookean solid alone (physics/damage.c). A broken bar has dissipated
+G_c A (1 + 3h/(8l)) with AT1 and linear elements, whose crack is a cell wide (Bourdin, Francfort and Marigo 2008,
+doi:10.1007/s10659-007-9107-3, section 8, for AT1's profile).
+
+Quick.
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Test  # noqa: E402
+
+E, NU, G_C, L, ETA = 300.0, 0.25, 0.74, 0.1, 0.01
+POINT = """mpm:
+  dim: {dim}
+  physics: damage
+  grid: {{lower: "{low}", upper: "2,{one}", cells: "2,{ones}"}}
+  shape: linear
+  stabilization: {{fbar: false, ghost: "off"}}
+  materials: binder
+  material_binder: {{type: neo_hookean, shear: isochoric, volumetric: quadratic, E: 300, nu: 0.25, density: 1,
+                     toughness: 0.74, length: 0.1, residual: 0.01, regularisation: {law}, split: {split}}}
+  bodies: block
+  body_block: {{region: box, lower: "{low}", upper: "1,{one}", points_per_cell: "{two}", material: binder}}
+  bcs: left,right,sides
+  bc_left: {{region: box, lower: "{low}", upper: "0,{one}", components: "x"}}
+  bc_right: {{region: box, lower: "1,{zero}", upper: "1,{one}", components: "x", value: "{value!r}", ramp: "0:0,1:1"}}
+  bc_sides: {{region: box, lower: "{low}", upper: "1,{one}", components: "{across}"}}
+  damage: {{scheme: {scheme}, irreversible: {bound}}}
+  time: {{end: 1, step: {step!r}}}
+  output: {{every: 1}}
+  quiet: true
+"""
+BAR = """mpm:
+  dim: 2
+  physics: damage
+  grid: {{lower: "0,0", upper: "{upper!r},{h!r}", cells: "{cells},1"}}
+  shape: linear
+  materials: bar,weak
+  material_bar: {{type: neo_hookean, shear: isochoric, volumetric: quadratic, E: 3e5, nu: 0, density: 1, toughness: 0.74,
+                  length: 0.1, regularisation: {law}}}
+  material_weak: {{type: neo_hookean, shear: isochoric, volumetric: quadratic, E: 3e5, nu: 0, density: 1,
+                   toughness: 0.7252, length: 0.1, regularisation: {law}}}
+  bodies: a,b,c
+  body_a: {{region: box, lower: "0,0", upper: "{a!r},{h!r}", points_per_cell: "2,2", material: bar}}
+  body_b: {{region: box, lower: "{a!r},0", upper: "{b!r},{h!r}", points_per_cell: "2,2", material: weak}}
+  body_c: {{region: box, lower: "{b!r},0", upper: "2,{h!r}", points_per_cell: "2,2", material: bar}}
+  bcs: left,right,sides
+  bc_left: {{region: box, lower: "0,0", upper: "0,{h!r}", components: "x"}}
+  bc_right: {{region: box, lower: "2,0", upper: "2,{h!r}", components: "x", value: "0.012", ramp: "0:0,1:1"}}
+  bc_sides: {{region: box, lower: "0,0", upper: "2,{h!r}", components: "y"}}
+  damage: {{scheme: {scheme}}}
+  time: {{end: {end!r}, step: {step!r}}}
+  output: {{every: 0}}
+  quiet: true
+"""
+
+
+def energies(stretch):
+    """psi+ and psi-, and the nominal stresses of both, of uniaxial strain."""
+    mu, bulk = E / (2.0 * (1.0 + NU)), E / (3.0 * (1.0 - 2.0 * NU))
+    first = stretch**2 + 2.0
+    volume = 0.25 * bulk * (stretch**2 - 1.0 - 2.0 * np.log(stretch))
+    pressure = 0.5 * bulk * (stretch - 1.0 / stretch)
+    shape = 0.5 * mu * (stretch ** (-2.0 / 3.0) * first - 3.0)
+    shear = mu * (stretch ** (1.0 / 3.0) - first / 3.0 * stretch ** (-5.0 / 3.0))
+    return (shape + volume, 0.0, shear + pressure, 0.0) if stretch >= 1.0 else (shape, volume, shear, pressure)
+
+
+def answer(stretch, law="at2", split="volumetric"):
+    """Damage and nominal stress at a stretch that has grown steadily."""
+    plus, minus, stress, rest = energies(stretch)
+    if split == "none":
+        plus, stress, rest = plus + minus, stress + rest, 0.0
+    drive = 2.0 * (1.0 - ETA) * plus
+    d = drive / (drive + G_C / L) if law == "at2" else max(0.0, 1.0 - 3.0 * G_C / (8.0 * L) / max(drive, 1e-300))
+    return d, ((1.0 - ETA) * (1.0 - d) ** 2 + ETA) * stress + rest
+
+
+def point(test, dim=2, value=0.12, step=0.02, law="at2", split="volumetric", scheme="monolithic", bound="bounds", ranks=1):
+    """Largest differences of damage and stress from the closed form, over the largest of each; and the last state's."""
+    path = test.folder() / "point.yaml"
+    zero, one = ",".join(["0"] * (dim - 1)), ",".join(["1"] * (dim - 1))
+    path.write_text(POINT.format(dim=dim, low="0," + zero, zero=zero, one=one, ones=one, two=",".join(["2"] * dim),
+                                 law=law, split=split, scheme=scheme, bound=bound, value=value, step=step,
+                                 across="y" if dim == 2 else "y,z"))
+    results = test.run(path, ranks=ranks).results
+    rows = []
+    for state in [results.state(k) for k in range(0, round(1.0 / step) + 1)]:
+        stretch = state["F"][0, 0]
+        rows.append([state["damage"].ravel()[0], state["stress"][0, 0], *answer(stretch, law, split)])
+    rows = np.array(rows)
+    return abs(rows[:, 0] - rows[:, 2]).max(), abs(rows[:, 1] - rows[:, 3]).max() / abs(rows[:, 3]).max(), rows[-1, :2]
+
+
+def bar(test, cells, law, step=0.001, end=0.52, ranks=1, scheme="monolithic"):
+    """Stress over its peak, and dissipation over G_c A, in the first step after the break."""
+    h = 2.0 / cells
+    a = cells // 2 * h
+    path = test.folder() / "bar.yaml"
+    path.write_text(BAR.format(upper=2.0 + 4.0 * h, h=h, cells=cells + 4, a=a, b=a + h, law=law, step=step, end=end,
+                               scheme=scheme))
+    history = test.run(path, ranks=ranks).results.history
+    force, energy = np.array(history["reaction_right_x"]), np.array(history["energy_fracture"])
+    after = int(np.argmax(np.array(history["damage_max"]) > 0.9))
+    return force[after] / force.max(), energy[after] / (G_C * h), force.max() / h, after
+
+
+with Test() as test:
+    best = minimize_scalar(lambda s: -answer(s)[1], bounds=(1.0, 1.2), method="bounded", options={"xatol": 1e-10})
+    test.near("closed.peak", -best.fun, 16.278030, relative=1e-6)
+    test.near("closed.compressed", answer(0.8)[1], -55.567146, relative=1e-6)
+    onset = brentq(lambda s: 2.0 * (1.0 - ETA) * energies(s)[0] - 3.0 * G_C / (8.0 * L), 1.0, 1.2)
+    test.near("closed.onset", energies(onset)[2], 30.377624, relative=1e-6)
+    for name, options in (("at2", {}), ("at1", {"law": "at1"}), ("history", {"bound": "history"}), ("3d", {"dim": 3}),
+                          ("compressed", {"value": -0.2}), ("split_none", {"value": -0.2, "split": "none"}),
+                          ("ranks_3", {"ranks": 3})):
+        d, stress, last = point(test, **options)
+        test.check(f"{name}.damage", d, None, 1e-5)
+        test.check(f"{name}.stress", stress, None, 1e-5)
+    together, in_turn = bar(test, 81, "at1"), bar(test, 81, "at1", scheme="staggered", ranks=3)
+    test.check("bar.stress_left", together[0], None, 2e-3)
+    test.near("bar.energy", together[1], 1.0 + 3.0 * 2.0 / 81 / (8.0 * L), relative=0.01)
+    test.check("bar.broken", float(together[3]), 1.0)
+    test.near("schemes.energy", in_turn[1], together[1], relative=1e-4)
+    test.near("schemes.peak", in_turn[2], together[2], relative=1e-6)
