@@ -16,8 +16,8 @@
   elastic one.
 
   Damage does not heal, and is at most 1. With `irreversible: bounds` d at a point stays at least d_n there: a spring of
-  stiffness HOLD G_c/(c_w l), which leaves gaps of the order of 1/HOLD. With `history` psi+ in the second equation is the largest that
-  the point has had; d is then bounded by 0 alone.
+  stiffness HOLD G_c/(c_w l), which leaves gaps of the order of 1/HOLD. With `history` psi+ in the second equation is
+  the largest that the point has had; d is then bounded by 0 and 1 alone.
 
   Sources: Bourdin, Francfort and Marigo (2000), doi:10.1016/S0022-5096(99)00028-9 (the energy); Pham and others (2011),
   doi:10.1177/1056789510386852 (AT1, AT2); Amor, Marigo and Maurini (2009), doi:10.1016/j.jmps.2009.04.011 (the split);
@@ -150,7 +150,8 @@ MPM_FN void DamageFlux(const MpmKernelPoint *point, const Scalar input[], Scalar
 
   sum     = ScalarScale(-2. * (1. - physics[RESIDUAL]), ScalarMul(sound, drive));
   sum     = ScalarAdd(sum, first ? ScalarConstant(density) : ScalarScale(2. * density, d));
-  sum     = ScalarAdd(sum, ScalarScale(Held(point, ScalarValue(d)), ScalarShift(d, -Bound(point))));
+  held    = Held(point, ScalarValue(d), &bound);
+  sum     = ScalarAdd(sum, ScalarScale(held, ScalarShift(d, -bound)));
   flux[D] = ScalarScale(scale, sum);
   for (int c = 0; c < MPM_DIM; c++) {
     initial[c] = ScalarConstant(0.);
@@ -254,14 +255,20 @@ static const MpmField fields[] = {
 /* clang-format off */
 static const MpmParameter parameters[] = {
   {MPM_NUMBER, "toughness", "J/m2", 0., 1, 0., HUGE_VAL, 1, "critical energy release rate", NULL, 100., NULL},
-  {MPM_NUMBER, "length", "m", 0., 1, 0., HUGE_VAL, 1, "characteristic length of damage, at least two cells", NULL, 0.5, NULL},
-  {MPM_NUMBER, "residual", "-", 1e-6, 0, 0., 1., 0, "part of the stiffness that stays where the material is broken", NULL, 1e-6, NULL},
-  {MPM_WORD, "regularisation", "-", AT2, 0, 0., 0., 0, "sound below a stress, or damage from the first load on", "at1|at2", 0., NULL},
-  {MPM_WORD, "split", "-", VOLUMETRIC, 0, 0., 0., 0, "energy that does no damage: of compressed volume, or none", "volumetric|none", 0., NULL},
+  {MPM_NUMBER, "length", "m", 0., 1, 0., HUGE_VAL, 1,
+   "characteristic length of damage, at least two cells", NULL, 0.5, NULL},
+  {MPM_NUMBER, "residual", "-", 1e-6, 0, 0., 1., 0,
+   "part of the stiffness that stays where the material is broken", NULL, 1e-6, NULL},
+  {MPM_WORD, "regularisation", "-", AT2, 0, 0., 0., 0,
+   "sound below a stress, or damage from the first load on", "at1|at2", 0., NULL},
+  {MPM_WORD, "split", "-", VOLUMETRIC, 0, 0., 0., 0,
+   "energy that does no damage: of compressed volume, or none", "volumetric|none", 0., NULL},
 };
 static const MpmCommonParameter common[] = {
-  {"damage", {MPM_WORD, "scheme", "-", MONOLITHIC, 0, 0., 0., 0, "both fields by one Newton step, or displacement after damage", "monolithic|staggered", 0., NULL}},
-  {"damage", {MPM_WORD, "irreversible", "-", BOUNDS, 0, 0., 0., 0, "damage does not heal: by a bound, or by the largest energy", "bounds|history", 0., NULL}},
+  {"damage", {MPM_WORD, "scheme", "-", MONOLITHIC, 0, 0., 0., 0, "both fields at once, or in turn",
+              "monolithic|staggered", 0., NULL}},
+  {"damage", {MPM_WORD, "irreversible", "-", BOUNDS, 0, 0., 0., 0, "no healing by a bound, or by the largest energy",
+              "bounds|history", 0., NULL}},
   {"damage", {MPM_NUMBER, "scale", "-", 1., 0, 0., HUGE_VAL, 1, "factor of the equation of damage", NULL, 1., NULL}},
 };
 /* clang-format on */
