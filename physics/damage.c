@@ -78,7 +78,7 @@ MPM_FN int DivideEnergy(const MpmKernelPoint *point, const Tensor *dF, Scalar J,
   return 0;
 }
 
-/* That of the others follows from the stress, by the moduli at the step's start. */
+/* The energy of other laws follows from the stress, by the moduli at the step's start. */
 MPM_FN int DivideStress(const MpmKernelPoint *point, int shrinks, Parts *parts)
 {
   const MpmLawInfo *info = point->material.info;

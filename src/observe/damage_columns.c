@@ -1,5 +1,5 @@
 /*
-  Columns of the history of physics with damage: what fracture has dissipated, and the largest damage of a point.
+  Columns of the history of physics with damage: energy that fracture has dissipated, and the largest damage of a point.
 */
 #include "base/columns.h"
 #include "point/layout.h"
@@ -14,12 +14,12 @@
 /* Place of `fracture_energy` among the physics' own states, or -1. */
 static PetscInt FindState(const MpmModel model)
 {
-  const MpmPhysics *physics = &model->scene.physics;
-  PetscInt          place   = 0;
+  const MpmStateVariable *states = model->scene.physics.states;
+  PetscInt                place  = 0;
 
-  for (int s = 0; s < physics->state_count; s++) {
-    if (!strcmp(physics->states[s].name, "fracture_energy")) return place;
-    place += MpmStateComponents(&physics->states[s], model->disc.dim);
+  for (int s = 0; s < model->scene.physics.state_count; s++) {
+    if (!strcmp(states[s].name, "fracture_energy")) return place;
+    place += MpmStateComponents(&states[s], model->disc.dim);
   }
   return -1;
 }

@@ -13,7 +13,7 @@ PetscErrorCode MpmStepAddColumns(MpmModel model, MpmColumns *columns);
 PetscErrorCode MpmReactionsAddColumns(MpmModel model, MpmColumns *columns);
 PetscErrorCode MpmOutflowAddColumns(MpmModel model, MpmColumns *columns);
 
-/* What fracture has dissipated, and the largest damage (damage_columns.c). */
+/* Energy that fracture has dissipated, and the largest damage (damage_columns.c). */
 PetscErrorCode MpmDamageAddColumns(MpmModel model, MpmColumns *columns);
 
 /* A number of the last step's discrete decisions (signature.c), collective; and column `signature`, where

@@ -2,8 +2,8 @@
   Fields in turn: Newton's method where the energy is convex in each of two fields, and not in both, as in fracture.
 
   Where a crack runs no step of Newton's method on both fields leads to the answer, however short the step in time. To
-  minimise by d with u held, then by u with the new d, lowers the energy each time. One Newton iteration of each is that
-  of a Jacobian without what u does to d: a block triangular matrix, solved as any other.
+  minimise by d with u fixed, then by u with the new d, lowers the energy each time. One Newton iteration of each is
+  that of a Jacobian without what u does to d: a block triangular matrix, solved as any other.
 
   Each step in time begins so. Once the residual falls from one iteration to the next, Newton's method on both fields is
   tried; an iteration that does not reduce the residual is refused, and twice as many iterations in turn follow.

@@ -8,9 +8,8 @@
 
 /* Reads the level; materials, loads, grid and layout are known. */
 PetscErrorCode MpmWaterRead(MpmModel model, const MpmOptions *options);
-/* The pressure of the points with ids in [first, end) at the time of the state: water at rest, and the bodies' excess; of another
-   field with a rate what the bodies start with.
-   Collective. */
+/* The pressure of the points with ids in [first, end) at the time of the state: water at rest, and the bodies' excess;
+   of another field with a rate what the bodies start with. Collective. */
 PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end);
 /*
   Prescribed pressures at nodes in a step to `time`: those not below the level, and in a geostatic stage all, as at the

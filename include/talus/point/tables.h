@@ -268,7 +268,7 @@ typedef struct {
   MpmDilatancy       dilatancy; /* where the mean over the cell is to leave dilation to the points; or NULL */
 } MpmKernelMaterial;
 
-/* Among the traits of a point's material: the tangent that the fields of MPM_PHYSICS_ALTERNATE are solved by in turn. */
+/* Trait of a point's material: the tangent that the fields of MPM_PHYSICS_ALTERNATE are solved by in turn. */
 #define MPM_POINT_ALTERNATE (1u << 30)
 
 /* Destinations of a point's state at the step's end. */
@@ -399,7 +399,7 @@ typedef struct {
                          deviation on itself alone: other entries of the tangent are ignored
   MPM_PHYSICS_STRESS     one field, the displacement, whose flux is that of the stress which the points keep: an
                          explicit step takes forces from that stress and does not call the kernel for them
-  MPM_PHYSICS_ALTERNATE  two fields, in each of which the energy is convex while the other is held, but not in both:
+  MPM_PHYSICS_ALTERNATE  two fields, in each of which the energy is convex while the other stays, but not in both:
                          Newton's method falls back on minimising by one after the other. With MPM_POINT_ALTERNATE among
                          a point's traits the tangent leaves out what the displacement does to the other field's fluxes
 */
