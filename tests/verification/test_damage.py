@@ -84,7 +84,8 @@ def answer(stretch, law="at2", split="volumetric"):
     return d, ((1.0 - ETA) * (1.0 - d) ** 2 + ETA) * stress + rest
 
 
-def point(test, dim=2, value=0.12, step=0.02, law="at2", split="volumetric", scheme="monolithic", bound="bounds", ranks=1):
+def point(test, dim=2, value=0.12, step=0.02, law="at2", split="volumetric", scheme="monolithic", bound="bounds",
+          ranks=1):
     """Largest differences of damage and stress from the closed form, over the largest of each; and the last state's."""
     path = test.folder() / "point.yaml"
     zero, one = ",".join(["0"] * (dim - 1)), ",".join(["1"] * (dim - 1))

@@ -170,8 +170,10 @@ typedef struct {
   int (*history)(const double *parameter, const MpmLawTable *table, const double *stress, double *state);
   double (*k0)(const double *parameter, const MpmLawTable *table, const double *state, double weight);
   double (*shear_strength)(const double *parameter, const double *state);
-  double (*energy)(const double *parameter, const MpmLawTable *table, const double *tau, const double *F);
-  void (*volumetric)(const double *parameter, const MpmLawTable *table, double J, double value[3]);
+  struct { /* stored */
+    double (*energy)(const double *parameter, const MpmLawTable *table, const double *tau, const double *F);
+    void (*volumetric)(const double *parameter, const MpmLawTable *table, double J, double value[3]);
+  };
   MpmDilatancy            dilatancy;
   MpmDilatancySensitivity dilatancy_sensitivity;
   MpmModuliSensitivity    moduli_sensitivity;
