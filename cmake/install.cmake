@@ -73,7 +73,7 @@ endif()
 install(DIRECTORY templates DESTINATION ${CMAKE_INSTALL_DATADIR}/talus COMPONENT documents)
 install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documents PATTERN __pycache__ EXCLUDE)
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documents)
-install(FILES scripts/results.py scripts/tables.py DESTINATION ${CMAKE_INSTALL_DATADIR}/talus/scripts COMPONENT documents)
+install(FILES scripts/maps.py scripts/results.py scripts/tables.py DESTINATION ${CMAKE_INSTALL_DATADIR}/talus/scripts COMPONENT documents)
 install(PROGRAMS scripts/plot.py scripts/xdmf.py
   DESTINATION ${CMAKE_INSTALL_DATADIR}/talus/scripts COMPONENT documents)
 install(DIRECTORY scripts/pictures DESTINATION ${CMAKE_INSTALL_DATADIR}/talus/scripts COMPONENT documents FILES_MATCHING PATTERN "*.py")
