@@ -43,7 +43,7 @@ def check(results):
     middle = abs(history["gauge_middle_depth"] - depth(0.0, history["time"] - history["dt"]))
     coarse = 56.0 / common.cells(results)[0]
     return [completed(results),
-            Quantity("shore", reach, None, 0.015 * coarse),
+            Quantity("shore", reach, None, 0.006 * coarse),
             Quantity("middle", middle.max() / DEPTH, None, 0.06 * coarse),
             Quantity("L1", abs(found - exact).sum() / exact.sum(), None, 0.03 * coarse)]
 
