@@ -2,8 +2,9 @@
 """Depth-averaged flow over long times: water that swings in a bowl, a lake at rest, and a cap that slides and spreads.
 
 Exact solutions: Thacker (1981), doi:10.1017/S0022112081001882, planar: the surface stays plane and the water's centre
-swings with the period 2 pi a/sqrt(2 g h_0); Savage and Hutter (1989), doi:10.1017/S0022112089000340, of a parabolic cap
-on a slope with Coulomb friction, whose half-width obeys L'' = 2 g cos H_0 L_0/L^2 and whose centre slides like a block.
+swings with the period 2 pi a/sqrt(2 g h_0), and in a round bowl water rises and falls in half of that; Savage and
+Hutter (1989), doi:10.1017/S0022112089000340, of a parabolic cap on a slope with Coulomb friction, whose half-width
+obeys L'' = 2 g cos H_0 L_0/L^2 and whose centre slides like a block.
 
 Quick.
 """
@@ -29,6 +30,21 @@ ROW = """mpm:
   body_flow: {{region: box, lower: "{west!r},0", upper: "{east!r},{cell!r}", points_per_cell: "4,4", material: mud, {depth}}}
   bcs: sides
   bc_sides: {{region: box, lower: "{lower!r},0", upper: "{upper!r},{cell!r}", components: "y"}}
+  time: {{integrator: explicit, end: {end!r}}}
+  output: {{every: 0}}
+  quiet: true
+"""
+
+ROUND = """mpm:
+  dim: 2
+  physics: depth_averaged
+  slope: vertical
+  terrain: {{file: bed.asc}}
+  grid: {{lower: "-14,-14", upper: "14,14", cells: "{cells},{cells}"}}
+  materials: water
+  material_water: {{type: coulomb, mu: 0, density: 1000}}
+  bodies: lake
+  body_lake: {{region: box, lower: "-9,-9", upper: "9,9", points_per_cell: "4,4", material: water, depth: depth.asc}}
   time: {{integrator: explicit, end: {end!r}}}
   output: {{every: 0}}
   quiet: true
@@ -65,6 +81,35 @@ def bowl(test, cell, periods, bound, ranks=1):
     name = f"bowl.{periods}.{ranks}"
     test.check(f"{name}.depth", float((volume / depth * abs(depth - exact)).sum() / volume.sum()), 0, bound)
     test.near(f"{name}.centre", float((volume * x).sum() / volume.sum()), shift, relative=0.005)
+
+
+def write_square(path, count, spacing, lower, values):
+    """A map of count times count pixels from the centre `lower` on, of a function of the distance from the origin."""
+    places = lower + spacing * np.arange(count)
+    rows = [" ".join(repr(float(value)) for value in values(np.hypot(places, y))) for y in places[::-1]]
+    path.write_text(f"ncols {count}\nnrows {count}\nxllcenter {lower!r}\nyllcenter {lower!r}\ncellsize {spacing!r}\n"
+                    + "\n".join(rows) + "\n")
+
+
+def radial(test, cell, bound):
+    """Water that rises and falls in a round bowl: its depths after a period, in both directions of the plane."""
+    folder, a, r0 = test.folder(), 10.0, 8.0
+    part = (a ** 4 - r0 ** 4) / (a ** 4 + r0 ** 4)
+
+    def depth(r):  # at its start and after each period
+        q = math.sqrt(1 - part ** 2) / (1 - part)
+        return np.maximum(q - (r / a) ** 2 * q ** 2, 0)
+
+    count = round(28 / cell)
+    write_square(folder / "bed.asc", count + 3, cell, -14 - cell, lambda r: (r / a) ** 2)
+    write_square(folder / "depth.asc", 4 * count + 8, cell / 4, -14 - 3 * cell / 8,
+                 lambda r: np.where(depth(r) > 1e-6, depth(r), 0))
+    path = folder / "radial.yaml"
+    path.write_text(ROUND.format(cells=count, end=math.pi * a / math.sqrt(2 * G)))
+    state = test.run(path, ranks=3).results.state("last")
+    r, found, volume = np.hypot(*state["position"].T), state["depth"].ravel(), state["volume"].ravel()
+    test.check("radial.depth", float((volume / found * abs(found - depth(r))).sum() / volume.sum()), 0, bound)
+    test.near("radial.shore", float(r.max()), r0, relative=0.003)
 
 
 def cap(test, internal=None, pressure=1.0):
@@ -150,6 +195,7 @@ def pressed(test):
 with Test() as test:
     bowl(test, 0.5, 1, 0.004)
     bowl(test, 0.25, 5, 0.002, ranks=3)
+    radial(test, 0.4, 0.002)
     cap(test)
     pressed(test)
     steep(test)
