@@ -4,6 +4,7 @@
   A step may take the fraction `cfl` of the time in which a wave crosses a cell, the shortest h_a/(c + |v_a|) of all
   points and axes, with c the speed of waves at the point's state and stress; the viscosity of a law shortens it.
 */
+#include "talus/point/basal.h"
 #include "point/material.h"
 #include "point/wave_speed.h"
 #include "grid/grid.h"
@@ -48,6 +49,19 @@ MPM_INLINE PetscReal Crossing(const PetscInt dim, const MpmModel model, const Mp
   return least;
 }
 
+/* Columns at rest on a slope have slow waves where they are thin: the time in which their weight takes them through a
+   cell, s. */
+static PetscReal Falling(const MpmModel model)
+{
+  PetscReal h = PETSC_MAX_REAL, g = 0.;
+
+  if (!(model->scene.physics.traits & MPM_PHYSICS_COLUMNS)) return PETSC_MAX_REAL;
+  for (PetscInt a = 0; a < model->disc.dim; a++) h = PetscMin(h, model->disc.grid->h[a]);
+  for (PetscInt m = 0; m < model->scene.materials->count; m++)
+    g = PetscMax(g, model->scene.materials->at[m].parameter[MPM_BASAL_GRAVITY]);
+  return PetscSqrtReal(h / g);
+}
+
 /* The points' arrays stay lent for the step that follows. */
 static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
 {
@@ -57,6 +71,7 @@ static PetscErrorCode FindCrossing(MpmModel model, PetscReal *crossing)
   PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
   *crossing = model->disc.dim == 2 ? Crossing(2, model, points) : Crossing(3, model, points);
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, crossing, 1, MPIU_REAL, MPIU_MIN, model->comm));
+  *crossing = PetscMin(*crossing, Falling(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

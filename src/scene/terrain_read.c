@@ -87,6 +87,12 @@ PetscErrorCode MpmTerrainCheck(const MpmModel model)
                 : scene->pairs->count    ? "contacts"
                                          : "surfaces",
                 scene->physics.name);
+  for (PetscInt m = 0; m < scene->materials->count; m++)
+    for (PetscInt k = 0; scene->materials->at[m].varies && k < (PetscInt)scene->materials->at[m].info.parameter_count;
+         k++)
+      MpmCheckInput(!MpmMaterialVaries(&scene->materials->at[m], k),
+                    "-mpm_material_%s_%s: must be a number or a map with -mpm_physics %s", scene->materials->names[m],
+                    scene->materials->at[m].info.parameters[k].name, scene->physics.name);
   for (PetscInt l = 0; l < scene->loads->count; l++)
     MpmCheckInput(scene->loads->at[l].type != MPM_LOAD_GRAVITY,
                   "-mpm_load_%s_type gravity: weight is there already, by the materials' gravity",

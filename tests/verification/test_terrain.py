@@ -215,4 +215,5 @@ with Test() as test:
     refuse(test, "implicit", "must be explicit", "quasistatic, step: 0.1")
     refuse(test, "law", "must be one of", mpm_material_mud_type="j2")
     refuse(test, "depth", "must be > 0", mpm_body_left_depth=-1)
+    refuse(test, "varies", "must be a number or a map", mpm_material_mud_mu="0:0.1,10:0.5")
     refuse(test, "xi", "xi", mpm_material_mud_type="voellmy", mpm_material_mud_xi=0, mpm_material_mud_mu=0.1)
