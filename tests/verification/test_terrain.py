@@ -109,6 +109,40 @@ SLIDE = """mpm:
 """
 
 
+WEDGE = """mpm:
+  dim: 2
+  physics: depth_averaged
+  slope: {slope}
+  terrain: {{file: bed.asc}}
+  grid: {{lower: "0,0", upper: "40,0.25", cells: "160,1"}}
+  materials: water
+  material_water: {{type: coulomb, mu: 0, density: 1000}}
+  bodies: water
+  body_water: {{region: box, lower: "1.5,0", upper: "5,0.25", points_per_cell: "4,4", material: water, level: 9.5}}
+  bcs: sides
+  bc_sides: {{region: box, lower: "0,0", upper: "40,0.25", components: "y"}}
+  time: {{integrator: explicit, end: 3}}
+  output: {{every: 0}}
+  quiet: true
+"""
+
+
+def wedge(test):
+    """Water that runs down a slope of 1 in 3 and out on level ground: its mean velocity and place after 3 s.
+
+    Reference: a well-balanced finite-volume scheme (HLL, Audusse and others 2004) with 8 000 cells.
+    """
+    folder = test.folder()
+    write_map(folder / "bed.asc", lambda x, y: max(10 - x / 3, 10 - 10 / 3), (0.0, 0.0), (160, 1), 0.25)
+    for slope, speed, place in (("vertical", 6.651, 16.31), ("normal", 6.237, None)):
+        (folder / "wedge.yaml").write_text(WEDGE.format(slope=slope))
+        state = test.run(folder / "wedge.yaml").results.state("last")
+        mass = state["mass"].ravel() / state["mass"].sum()
+        test.near(f"wedge.{slope}.speed", float(mass @ state["velocity"][:, 0]), speed, relative=0.015)
+        if place:
+            test.near(f"wedge.{slope}.place", float(mass @ state["position"][:, 0]), place, relative=0.01)
+
+
 def slide(test):
     """A slide in both directions: on ranks, and from a checkpoint, as in one go; mass and volume stay."""
     folder = test.folder()
@@ -205,6 +239,7 @@ with Test() as test:
         lake(test, "shore", shore, slope, 3)
 
     slide(test)
+    wedge(test)
 
     points = test.folder() / "points.csv"
     points.write_text("x,y,volume\n-0.5,0.25,0.1\n")
