@@ -138,7 +138,8 @@ class Scene:
     def take_points(self, program, results):
         """The points of the coarse run as a file that a body can be read from, where the program does that."""
         self.point_file, body = None, self.options.get("mpm_bodies", "").split(",")[0]
-        if body and f"mpm_body_{body}_file" in ask_help(program, {**self.options, f"mpm_body_{body}_region": "file"}):
+        from_file = ask_help(program, {**self.options, f"mpm_body_{body}_region": "file"}) if body and results.exists() else ()
+        if f"mpm_body_{body}_file" in from_file:
             self.body, self.point_file = body, results.read_bytes()
             with h5py.File(results, "r") as file:
                 group = file["points"][sorted(file["points"])[0]]

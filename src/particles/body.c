@@ -185,14 +185,15 @@ PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, cons
 {
   char             prefix[256];
   const MpmOptions block = {options->comm, prefix, options->record};
+  PetscBool        given = PETSC_FALSE, columns;
 
   PetscFunctionBeginUser;
   if (MpmRegionGetType(body->region) < MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
-  if (MpmRegionGetType(body->region) > MPM_REGION_FILE || MpmOptionsHelp())
-    PetscCall(MpmImportedHandover(&block,
-                                  (PetscBool)(MpmOptionsHelp() || MpmRegionGetType(body->region) == MPM_REGION_COLUMNS),
-                                  grid, &materials[body->material], &body->imported));
+  PetscCall(MpmOptionsHas(&block, "region", &given));
+  columns = (PetscBool)(MpmRegionGetType(body->region) == MPM_REGION_COLUMNS || (MpmOptionsHelp() && !given));
+  if (columns || MpmRegionGetType(body->region) > MPM_REGION_FILE)
+    PetscCall(MpmImportedHandover(&block, columns, grid, &materials[body->material], &body->imported));
   if (MpmRegionGetType(body->region) == MPM_REGION_FILE || MpmOptionsHelp())
     PetscCall(MpmImportedCreate(&block, grid, &materials[body->material], field_count, fields, &body->imported));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -226,7 +227,7 @@ PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, con
                 block.prefix);
   if (!bed && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(
-    MpmRegionGetType(body->region) != MPM_REGION_FILE && MpmRegionGetType(body->region) != MPM_REGION_COLUMNS,
+    !bed || (MpmRegionGetType(body->region) != MPM_REGION_FILE && MpmRegionGetType(body->region) != MPM_REGION_COLUMNS),
     "-%sregion: points on a bed are made from region depth, or from a region with a depth or a level", block.prefix);
   if (body->imported && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   if (!raster || MpmOptionsHelp()) PetscCall(MpmBodyDepthCreate(&block, bed, shape, edge, &body->depth));
