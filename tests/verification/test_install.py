@@ -28,7 +28,7 @@ SPRING_FAULTS = ((("-mpm_term_left_type", "rope"), "-mpm_term_left_type rope: is
                  (("-mpm_term_left_stiffness", "-1"), "-mpm_term_left_stiffness -1: must lie in"),
                  (("-mpm_time_integrator", "explicit"), "-mpm_terms: need steps that are not explicit"))
 
-DIE_FAULTS = ((("-mpm_boundary_die_type", "bowl"), "must be one of plane, box, sphere, cylinder, cone, polygon, stl, paraboloid"),
+DIE_FAULTS = ((("-mpm_boundary_die_type", "bowl"), "must be one of plane, box, sphere, cylinder, cone, polygon, stl, terrain, paraboloid"),
               (("-mpm_boundary_die_type", "paraboloid"), "-mpm_boundary_die_tip is missing"))
 
 
