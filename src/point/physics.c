@@ -131,7 +131,7 @@ static PetscErrorCode SetTraits(const MpmPhysics *physics, MpmLayout *layout)
     (PetscBool)(physics->field_count == 1 && layout->input.count == MpmKinematicsF((int)layout->kinematics) &&
                 layout->block == dim);
   layout->traits.alternate = (PetscBool)((physics->traits & MPM_PHYSICS_ALTERNATE) != 0);
-  layout->traits.biot = (PetscBool)((physics->traits & MPM_PHYSICS_BIOT) != 0);
+  layout->traits.biot      = (PetscBool)((physics->traits & MPM_PHYSICS_BIOT) != 0);
   PetscCheck(
     !layout->traits.biot || (physics->field_count == 2 && layout->shape_count == 1 && layout->block == dim + 1 &&
                              layout->input.by_component.first[dim] == MpmKinematicsF((int)layout->kinematics) &&
