@@ -44,19 +44,19 @@ BAR = """mpm:
   grid: {{lower: "0,0", upper: "{upper!r},{h!r}", cells: "{cells},1"}}
   shape: linear
   materials: bar,weak
-  material_bar: {{type: neo_hookean, shear: isochoric, volumetric: quadratic, E: 3e5, nu: 0, density: 1, toughness: 0.74,
+  material_bar: {{type: neo_hookean, shear: isochoric, volumetric: quadratic, E: 3e7, nu: 0, density: 1, toughness: 0.74,
                   length: 0.1, regularisation: {law}}}
-  material_weak: {{type: neo_hookean, shear: isochoric, volumetric: quadratic, E: 3e5, nu: 0, density: 1,
+  material_weak: {{type: neo_hookean, shear: isochoric, volumetric: quadratic, E: 3e7, nu: 0, density: 1,
                    toughness: 0.7252, length: 0.1, regularisation: {law}}}
   bodies: a,b,c
   body_a: {{region: box, lower: "0,0", upper: "{a!r},{h!r}", points_per_cell: "2,2", material: bar}}
   body_b: {{region: box, lower: "{a!r},0", upper: "{b!r},{h!r}", points_per_cell: "2,2", material: weak}}
   body_c: {{region: box, lower: "{b!r},0", upper: "2,{h!r}", points_per_cell: "2,2", material: bar}}
   bcs: left,right,sides
-  bc_left: {{region: box, lower: "0,0", upper: "0,{h!r}", components: "x"}}
-  bc_right: {{region: box, lower: "2,0", upper: "2,{h!r}", components: "x", value: "0.012", ramp: "0:0,1:1"}}
+  bc_left: {{region: box, lower: "0,0", upper: "0,{h!r}", components: "x,d"}}
+  bc_right: {{region: box, lower: "2,0", upper: "2,{h!r}", components: "x,d", value: "0.0012,0", ramp: "0:0,1:1"}}
   bc_sides: {{region: box, lower: "0,0", upper: "2,{h!r}", components: "y"}}
-  damage: {{scheme: {scheme}}}
+  damage: {{scheme: {scheme}, irreversible: {bound}}}
   time: {{end: {end!r}, step: {step!r}}}
   output: {{every: 0}}
   quiet: true
@@ -101,17 +101,29 @@ def point(test, dim=2, value=0.12, step=0.02, law="at2", split="volumetric", sch
     return abs(rows[:, 0] - rows[:, 2]).max(), abs(rows[:, 1] - rows[:, 3]).max() / abs(rows[:, 3]).max(), rows[-1, :2]
 
 
-def bar(test, cells, law, step=0.001, end=0.52, ranks=1, scheme="monolithic"):
+def bar(test, cells, law, step=0.002, end=0.512, ranks=1, scheme="monolithic", bound="bounds"):
     """Stress over its peak, and dissipation over G_c A, in the first step after the break."""
     h = 2.0 / cells
     a = cells // 2 * h
     path = test.folder() / "bar.yaml"
     path.write_text(BAR.format(upper=2.0 + 4.0 * h, h=h, cells=cells + 4, a=a, b=a + h, law=law, step=step, end=end,
-                               scheme=scheme))
+                               scheme=scheme, bound=bound))
     history = test.run(path, ranks=ranks).results.history
     force, energy = np.array(history["reaction_right_x"]), np.array(history["energy_fracture"])
     after = int(np.argmax(np.array(history["damage_max"]) > 0.9))
     return force[after] / force.max(), energy[after] / (G_C * h), force.max() / h, after
+
+
+def broken_cell(test, cells, law):
+    """Energy over G_c A of a bar at rest with one cell that is broken from the start, so many cells a length."""
+    h = L / cells
+    path = test.folder() / "cell.yaml"
+    path.write_text(BAR.format(upper=81 * h, h=h, cells=81, a=40 * h, b=41 * h, law=law, step=1.0, end=1.0,
+                               scheme="monolithic", bound="bounds"))
+    end = f"{81 * h!r},{h!r}"
+    run = test.run(path, mpm_body_b_initial_damage=1, mpm_body_c_upper=end, mpm_material_weak_toughness=G_C, mpm_bcs="sides",
+                   mpm_bc_sides_components="x,y", mpm_bc_sides_upper=end)
+    return float(run.results.history["energy_fracture"][-1]) / (G_C * h)
 
 
 with Test() as test:
@@ -127,8 +139,13 @@ with Test() as test:
         test.check(f"{name}.damage", d, None, 1e-5)
         test.check(f"{name}.stress", stress, None, 1e-5)
     together, in_turn = bar(test, 81, "at1"), bar(test, 81, "at1", scheme="staggered", ranks=3)
-    test.check("bar.stress_left", together[0], None, 2e-3)
-    test.near("bar.energy", together[1], 1.0 + 3.0 * 2.0 / 81 / (8.0 * L), relative=0.01)
-    test.check("bar.broken", float(together[3]), 1.0)
+    fine, history = bar(test, 161, "at1"), bar(test, 81, "at1", bound="history")
+    for name, found, cells in (("bar_81", together, 81), ("bar_161", fine, 161)):
+        test.check(f"{name}.stress_left", found[0], None, 2e-3)
+        test.near(f"{name}.energy", found[1], 1.0 + 3.0 * 2.0 / cells / (8.0 * L), relative=0.01)
+        test.check(f"{name}.broken", float(found[3]), 1.0)
+    test.near("bar_history.energy", history[1], 1.35, relative=0.03)
     test.near("schemes.energy", in_turn[1], together[1], relative=1e-4)
     test.near("schemes.peak", in_turn[2], together[2], relative=1e-6)
+    for law, cells, energy in (("at2", 4, 1.127601), ("at2", 8, 1.063151), ("at1", 4, 1.095703), ("at1", 8, 1.047363)):
+        test.near(f"broken_cell.{law}.{cells}", broken_cell(test, cells, law), energy, relative=2e-3)
