@@ -192,7 +192,8 @@ def pictures(test, run):
     other = test.run(folder / "slide.yaml")
     ENVIRONMENT["TALUS_GDAL"] = "none"
     text, tiff = read_whole(f"{run.prefix}_peak"), read_whole(f"{other.prefix}_peak")
-    test.check("maps.steps", list(map_steps(run.prefix)) == list(map_steps(other.prefix)) == [0, 5, 9], 1, 1)
+    steps = list(map_steps(run.prefix))  # every fifth, and the last one
+    test.check("maps.steps", steps == list(map_steps(other.prefix)) and steps[:2] == [0, 5] and 5 < steps[-1] <= 15, 1, 1)
     test.check("maps.places", float(abs(text.x - tiff.x).max() + abs(text.y - tiff.y).max()), 0, 1e-9)
     for name, value in text.bands.items():
         test.check(f"maps.{name}", float(np.nanmax(np.append(abs(value - tiff.bands[name]).ravel() / max(np.nanmax(abs(value)), 1), 0))), 0, 1e-9)
