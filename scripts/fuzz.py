@@ -702,6 +702,8 @@ def find_scenes(program, quiet):
     scenes = []
     for path in sorted((ROOT / "examples").glob("*/case*.yaml")):
         scene = Scene(path)
+        if scene.options.get("mpm_task") in ("inverse", "ensemble"):  # many runs each
+            continue
         if scene.shrink(program):
             scenes.append(scene)
         elif not quiet:

@@ -138,7 +138,7 @@ with Test() as test:
         d, stress, last = point(test, **options)
         test.check(f"{name}.damage", d, None, 1e-5)
         test.check(f"{name}.stress", stress, None, 1e-5)
-    together, in_turn = bar(test, 81, "at1"), bar(test, 81, "at1", scheme="staggered", ranks=3)
+    together, in_turn = bar(test, 81, "at1"), bar(test, 81, "at1", scheme="staggered")
     fine, history = bar(test, 161, "at1"), bar(test, 81, "at1", bound="history")
     for name, found, cells in (("bar_81", together, 81), ("bar_161", fine, 161)):
         test.check(f"{name}.stress_left", found[0], None, 2e-3)
