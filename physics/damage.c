@@ -16,8 +16,8 @@
   elastic one.
 
   Damage does not heal, and is at most 1. With `irreversible: bounds` d at a point stays at least d_n there: a spring of
-  stiffness HOLD G_c/(c_w l), which leaves gaps of the order of 1/HOLD. With `history` psi+ in the second equation is
-  the largest that the point has had; d is then bounded by 0 and 1 alone.
+  stiffness G_c/(c_w l)/tolerance, which leaves gaps of the order of the tolerance. With `history` psi+ in
+  the second equation is the largest that the point has had; d is then bounded by 0 and 1 alone.
 
   Sources: Bourdin, Francfort and Marigo (2000), doi:10.1016/S0022-5096(99)00028-9 (the energy); Pham and others (2011),
   doi:10.1177/1056789510386852 (AT1, AT2); Amor, Marigo and Maurini (2009), doi:10.1016/j.jmps.2009.04.011 (the split);
@@ -26,10 +26,8 @@
 */
 #include "solid.h"
 
-#define HOLD 1e6
-
 /* Places among the physics' values: those of the material, then those of the scene. */
-enum { TOUGHNESS, LENGTH, RESIDUAL, REGULARISATION, SPLIT, SCHEME, IRREVERSIBLE, SCALE };
+enum { TOUGHNESS, LENGTH, RESIDUAL, REGULARISATION, SPLIT, SCHEME, IRREVERSIBLE, TOLERANCE, SCALE };
 enum { AT1, AT2 };
 enum { VOLUMETRIC, NONE };
 enum { MONOLITHIC, STAGGERED };
@@ -47,14 +45,6 @@ typedef struct {
   Sym    plus;  /* tau+ */
   Scalar drive; /* psi+ */
 } Parts;
-
-/* J, or 1 + tr of the displacement's gradient at small strain, with its derivatives. */
-MPM_FN Scalar NewVolume(const MpmKernelPoint *point, const Tensor *dF)
-{
-  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN))
-    return ScalarScale(ArrayDetValue(point->F_n), TensorDetByCofactors(dF));
-  return ScalarShift(TensorTraceMulArray(dF, point->F_n), 1. - MPM_NORMALS);
-}
 
 /* The energy of a law that has a function for it. Its derivative by dF is the flux of the stress. */
 MPM_FN int DivideEnergy(const MpmKernelPoint *point, const Tensor *dF, Scalar J, int shrinks, Parts *parts)
@@ -98,7 +88,7 @@ MPM_FN int DivideStress(const MpmKernelPoint *point, int shrinks, Parts *parts)
 /* Non-zero where the law has no answer. */
 MPM_FN int Divide(const MpmKernelPoint *point, const Tensor *dF, Parts *parts)
 {
-  const Scalar J = NewVolume(point, dF);
+  const Scalar J = SolidNewVolume(point, dF);
   int          shrinks;
 
   if (!(ScalarValue(J) > 0.) || SolidStress(point, dF, &parts->tau)) return 1;
@@ -134,7 +124,7 @@ MPM_FN double Held(const MpmKernelPoint *point, double d, double *bound)
   const double least = Least(point);
 
   *bound = d < least ? least : 1.;
-  return d < least || d > 1. ? HOLD * Density(point->physics_parameter) : 0.;
+  return d < least || d > 1. ? Density(point->physics_parameter) / point->physics_parameter[TOLERANCE] : 0.;
 }
 
 /* Fluxes of d and of its gradient; the energy of fracture is kept where somebody asks. */
@@ -269,6 +259,7 @@ static const MpmCommonParameter common[] = {
               "monolithic|staggered", 0., NULL}},
   {"damage", {MPM_WORD, "irreversible", "-", BOUNDS, 0, 0., 0., 0, "no healing by a bound, or by the largest energy",
               "bounds|history", 0., NULL}},
+  {"damage", {MPM_NUMBER, "tolerance", "-", 1e-6, 0, 0., 1., 1, "gap at bounds of the damage", NULL, 1e-6, NULL}},
   {"damage", {MPM_NUMBER, "scale", "-", 1., 0, 0., HUGE_VAL, 1, "factor of the equation of damage", NULL, 1., NULL}},
 };
 /* clang-format on */

@@ -35,7 +35,7 @@ MPM_FN int PoroFluxes(const KernelPoint *point, const Scalar input[], Scalar *J,
   const Tensor dF = TensorFromGradient(input);
   Sym          tau, total;
 
-  *J = PoroNewVolume(point, &dF);
+  *J = SolidNewVolume(point, &dF);
   if (!(ScalarValue(*J) > 0.) || SolidStress(point, &dF, &tau)) return 1;
   total = PoroTotalStress(point, &tau, *J, input[PORO_P]);
   SolidFlux(point, &total, &dF, flux);

@@ -31,28 +31,6 @@ enum {
   PORO_INPUTS
 };
 
-/* J as mass counts it: det F, or 1 + tr(F - I) at small strain. */
-MPM_FN Real PoroVolume(const KernelPoint *point, const Real *F)
-{
-  Real trace = 1.;
-
-  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN)) {
-    const Tensor stretch = TensorFromArray(F);
-
-    return TensorDetReal(&stretch);
-  }
-  for (int a = 0; a < MPM_NORMALS; a++) trace += F[MPM_NORMAL_AT(a)] - 1.;
-  return trace;
-}
-
-/* The volume ratio of F_{n+1} = dF F_n, with its derivatives. */
-MPM_FN Scalar PoroNewVolume(const KernelPoint *point, const Tensor *dF)
-{
-  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN))
-    return ScalarScale(PoroVolume(point, point->F_n), TensorDetByCofactors(dF));
-  return ScalarShift(TensorTraceMulArray(dF, point->F_n), 1. - MPM_NORMALS);
-}
-
 /* tau' - J p I, or sigma' - p I at small strain */
 MPM_FN Sym PoroTotalStress(const KernelPoint *point, const Sym *tau, Scalar J, Scalar p)
 {
@@ -62,7 +40,7 @@ MPM_FN Sym PoroTotalStress(const KernelPoint *point, const Sym *tau, Scalar J, S
 /* The part of the initial volume that is grains; it stays. */
 MPM_FN Real PoroGrains(const KernelPoint *point)
 {
-  return (1. - KernelAt(point, own_n, PORO_STATE_POROSITY)) * PoroVolume(point, point->F_n);
+  return (1. - KernelAt(point, own_n, PORO_STATE_POROSITY)) * SolidVolume(point, point->F_n);
 }
 
 /* Water that an initial volume has taken up, at the density without pressure: (J - s)(1 + p/K_w) - (1 - s). */
@@ -116,7 +94,7 @@ MPM_FN double PoroContentByPressure(const KernelPoint *point, double J)
 
 MPM_FN Real PoroContentReal(const KernelPoint *point, Real grains, const Real *F, Real p)
 {
-  return ScalarReal(PoroContent(point, grains, ScalarConstant(PoroVolume(point, F)), ScalarConstant(p)));
+  return ScalarReal(PoroContent(point, grains, ScalarConstant(SolidVolume(point, F)), ScalarConstant(p)));
 }
 
 /* Content at the end of the first of two stages. */
@@ -183,7 +161,7 @@ MPM_FN void PoroSeepage(const KernelPoint *point, const Tensor *dF, Scalar facto
   const Scalar inverse = ScalarDiv(ScalarConstant(1.), TensorCofactorDet(dF, &cofactor));
   /* gradients by x or X: a row of `map` for each axis, times `scale` */
   const Tensor map   = small ? TensorTranspose(&F_n) : cofactor;
-  const Real   J_n   = small ? 1. : PoroVolume(point, point->F_n);
+  const Real   J_n   = small ? 1. : SolidVolume(point, point->F_n);
   const Real   outer = -point->dt * point->volume0 * J_n;
 
   for (int b = 0; b < MPM_DIM; b++) flux[b] = ScalarConstant(0.);
@@ -210,7 +188,7 @@ MPM_FN void PoroSeepage(const KernelPoint *point, const Tensor *dF, Scalar facto
 MPM_FN Real PoroProjection(const KernelPoint *point, Real grains)
 {
   const Real mu      = KernelModulus(point, 0);
-  const Real J       = PoroVolume(point, point->F_n);
+  const Real J       = SolidVolume(point, point->F_n);
   Real       through = 0.;
   Scalar     factor;
 

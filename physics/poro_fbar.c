@@ -31,7 +31,7 @@ MPM_FN int PoroFbarFluxes(const KernelPoint *point, const Scalar input[], Scalar
   const Scalar ratio  = point->material.traits & MPM_LAW_SMALL_STRAIN ? ScalarSub(mean, m) : ScalarDiv(mean, m);
   const Tensor dF_bar = MeanIncrement(point, &dF, ratio);
 
-  *J = PoroNewVolume(point, &dF_bar);
+  *J = SolidNewVolume(point, &dF_bar);
   if (SolidStress(point, &dF_bar, &tau)) return 1;
   total = PoroTotalStress(point, &tau, *J, input[PORO_P]);
   FbarFlux(point, &total, &dF, mean, flux, &flux[PORO_INPUTS]);

@@ -4,6 +4,28 @@
 */
 #include "talus/point/law.h"
 
+/* J as mass counts it: det F, or 1 + tr(F - I) at small strain. */
+MPM_FN Real SolidVolume(const KernelPoint *point, const Real *F)
+{
+  Real trace = 1.;
+
+  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN)) {
+    const Tensor stretch = TensorFromArray(F);
+
+    return TensorDetReal(&stretch);
+  }
+  for (int a = 0; a < MPM_NORMALS; a++) trace += F[MPM_NORMAL_AT(a)] - 1.;
+  return trace;
+}
+
+/* The volume ratio of F_{n+1} = dF F_n, with its derivatives. */
+MPM_FN Scalar SolidNewVolume(const KernelPoint *point, const Tensor *dF)
+{
+  if (!(point->material.traits & MPM_LAW_SMALL_STRAIN))
+    return ScalarScale(SolidVolume(point, point->F_n), TensorDetByCofactors(dF));
+  return ScalarShift(TensorTraceMulArray(dF, point->F_n), 1. - MPM_NORMALS);
+}
+
 /* The law's answer; in a stage without motion, the stress that is there already. */
 MPM_FN int SolidStress(const KernelPoint *point, const Tensor *dF, Sym *tau)
 {

@@ -11,7 +11,7 @@ import common  # noqa: E402
 from common import Quantity  # noqa: E402
 
 TRUTH = 0.5
-ITERATIONS = 20
+ITERATIONS = 10
 MARKS = {"front": 1.341, "middle": 0.449, "back": 0.023}  # m, shifts of the marks
 
 

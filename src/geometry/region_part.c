@@ -6,6 +6,7 @@
   edges of what is left. A disc of radius R is integrated over the angle t of x = R sin t, in which its chords are
   smooth, between the places where the circle enters or leaves the rectangle. Spheres are integrated over slices.
 */
+#include "maps/polygon_part.h"
 #include "geometry/region_part.h"
 #include "geometry/region_impl.h"
 
@@ -22,33 +23,6 @@ static const PetscReal gauss[2][5] = {{-0.906179845938663992797626878299, -0.538
                                        0.236926885056189087514264040720}};
 
 /* ---- polygons ---- */
-
-/* Keeps what lies on one side of the line x[axis] = at; returns the number of vertices. */
-static PetscInt CutPolygon(PetscInt count, const PetscReal v[], PetscInt axis, PetscReal sign, PetscReal at,
-                           PetscReal kept[])
-{
-  PetscInt n = 0;
-
-  for (PetscInt i = 0; i < count; i++) {
-    const PetscReal *a = &v[2 * i], *b = &v[2 * ((i + 1) % count)];
-    const PetscReal  da = sign * (at - a[axis]), db = sign * (at - b[axis]);
-
-    if (da >= 0.) {
-      kept[2 * n]     = a[0];
-      kept[2 * n + 1] = a[1];
-      n++;
-    }
-    if ((da > 0. && db < 0.) || (da < 0. && db > 0.)) {
-      const PetscReal s = da / (da - db);
-
-      kept[2 * n]        = a[0] + s * (b[0] - a[0]);
-      kept[2 * n + 1]    = a[1] + s * (b[1] - a[1]);
-      kept[2 * n + axis] = at;
-      n++;
-    }
-  }
-  return n;
-}
 
 /* Area of a polygon, with the sign of its direction, and moments, by triangles from its first vertex. */
 static Moments PolygonMoments(PetscInt count, const PetscReal v[])
@@ -75,7 +49,7 @@ static Moments PolygonPart(PetscInt count, const PetscReal v[], const PetscReal 
   for (PetscInt k = 0; k < 4; k++) {
     PetscReal *swap = from;
 
-    count = CutPolygon(count, from, k / 2, k % 2 ? 1. : -1., k % 2 ? upper[k / 2] : lower[k / 2], to);
+    count = MpmRingCut(count, from, k / 2, k % 2 ? -1. : 1., k % 2 ? upper[k / 2] : lower[k / 2], to);
     from  = to;
     to    = swap;
   }

@@ -45,9 +45,7 @@ PetscErrorCode MpmRingsTake(const MpmOutline *outline, PetscInt feature, MpmRing
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Keeps of a ring what lies on one side of the line x[axis] = at; returns the number of vertices, at most twice. */
-static PetscInt CutRing(PetscInt count, const PetscReal v[], PetscInt axis, PetscReal sign, PetscReal at,
-                        PetscReal kept[])
+PetscInt MpmRingCut(PetscInt count, const PetscReal v[], PetscInt axis, PetscReal sign, PetscReal at, PetscReal kept[])
 {
   PetscInt n = 0;
 
@@ -92,10 +90,10 @@ PetscErrorCode MpmRingsCut(const MpmRings *rings, PetscInt axis, PetscReal lower
     if (least < lower && most > upper) {
       PetscReal *middle = &to[8 * count];
 
-      n = CutRing(count, from, axis, 1., lower, middle);
-      n = CutRing(n, middle, axis, -1., upper, to);
-    } else if (least < lower) n = CutRing(count, from, axis, 1., lower, to);
-    else if (most > upper) n = CutRing(count, from, axis, -1., upper, to);
+      n = MpmRingCut(count, from, axis, 1., lower, middle);
+      n = MpmRingCut(n, middle, axis, -1., upper, to);
+    } else if (least < lower) n = MpmRingCut(count, from, axis, 1., lower, to);
+    else if (most > upper) n = MpmRingCut(count, from, axis, -1., upper, to);
     else PetscCall(PetscArraycpy(to, from, 2 * count));
     if (n < 3) continue;
     part->start[part->rings + 1] = begin + n;

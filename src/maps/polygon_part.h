@@ -17,6 +17,9 @@ typedef struct {
   PetscReal *at;
 } MpmRings;
 
+/* Keeps of a ring what has sign (x[axis] - at) >= 0, m; returns the number of vertices, at most twice as many. */
+PetscInt MpmRingCut(PetscInt count, const PetscReal v[], PetscInt axis, PetscReal sign, PetscReal at, PetscReal kept[]);
+
 PetscErrorCode MpmRingsDestroy(MpmRings *rings);
 /* The rings of a polygon of an outline. */
 PetscErrorCode MpmRingsTake(const MpmOutline *outline, PetscInt feature, MpmRings *rings);
