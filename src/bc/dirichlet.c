@@ -36,14 +36,18 @@ static PetscErrorCode CheckRegion(const MpmOptions *block, const MpmGrid *grid, 
   }
   PetscCall(MpmRegionGetBounds(region, lower, upper));
   for (PetscInt a = 0; a < grid->dim; a++) {
-    first[a] = PetscMax((PetscInt)PetscCeilReal((lower[a] - grid->lower[a]) / grid->h[a] - MPM_TOLERANCE), 0);
-    last[a] =
-      PetscMin((PetscInt)PetscFloorReal((upper[a] - grid->lower[a]) / grid->h[a] + MPM_TOLERANCE), grid->nodes[a] - 1);
+    const PetscInt order = grid->order;
+
+    /* vertices; within cells nodes beside them, too */
+    first[a] = (PetscInt)PetscCeilReal((lower[a] - grid->lower[a]) / grid->h[a] - MPM_TOLERANCE) * order - order + 1;
+    last[a]  = (PetscInt)PetscFloorReal((upper[a] - grid->lower[a]) / grid->h[a] + MPM_TOLERANCE) * order + order - 1;
+    first[a] = PetscMax(first[a], 0);
+    last[a]  = PetscMin(last[a], grid->nodes[a] - 1);
   }
   for (node[2] = first[2]; node[2] <= last[2]; node[2]++) {
     for (node[1] = first[1]; node[1] <= last[1]; node[1]++) {
       for (node[0] = first[0]; node[0] <= last[0]; node[0]++) {
-        for (PetscInt a = 0; a < grid->dim; a++) x[a] = grid->lower[a] + grid->h[a] * (PetscReal)node[a];
+        for (PetscInt a = 0; a < grid->dim; a++) x[a] = MpmGridNodeAt(grid, a, node[a]);
         if (MpmRegionContains(region, x)) PetscFunctionReturn(PETSC_SUCCESS);
       }
     }
@@ -288,22 +292,22 @@ PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid,
       wall.upper[a] = PETSC_INFINITY;
     }
     PetscCall(MpmRegionGetBounds(bc->region, wall.lower, wall.upper));
-    /* the outermost planes of constrained nodes; at the grid's edges there is nothing to add */
+    /* the outermost planes of constrained vertices; at the grid's edges there is nothing to add */
     first = (PetscInt)PetscCeilReal(PetscMax((wall.lower[axis] - grid->start_lower[axis]) / grid->start_h[axis], 0.) -
                                     MPM_TOLERANCE);
     last  = (PetscInt)PetscFloorReal(
-       PetscMin((wall.upper[axis] - grid->start_lower[axis]) / grid->start_h[axis], (PetscReal)grid->nodes[axis]) +
+       PetscMin((wall.upper[axis] - grid->start_lower[axis]) / grid->start_h[axis], (PetscReal)(grid->cells[axis] + 1)) +
        MPM_TOLERANCE);
     if (first > last) continue;
     /* material that is drawn across the plane must not be cut there; splines need the end that a wall gives them */
     above = (PetscBool)(degree > 1 || least == 0.);
     below = (PetscBool)(degree > 1 || most == 0.);
-    if (above && last > 0 && last < grid->nodes[axis] - 1) {
+    if (above && last > 0 && last < grid->cells[axis]) {
       wall.node         = last;
       wall.side         = 1;
       walls[(*count)++] = wall;
     }
-    if (below && first > 0 && first < grid->nodes[axis] - 1) {
+    if (below && first > 0 && first < grid->cells[axis]) {
       wall.node         = first;
       wall.side         = -1;
       walls[(*count)++] = wall;

@@ -149,7 +149,7 @@ static PetscErrorCode ShareWithNeighbours(MpmFacets *facets, const MpmGrid *grid
     MpmGridFindCell(grid, facets->pieces.at[k].place, cell);
     for (PetscInt a = 0; a < grid->dim; a++) {
       box[a]               = PetscMax(cell[a] - AROUND, 0);
-      box[MPM_MAX_DIM + a] = PetscMin(cell[a] + 1 + AROUND, grid->nodes[a] - 1);
+      box[MPM_MAX_DIM + a] = PetscMin(cell[a] + 1 + AROUND, grid->cells[a]);
     }
   }
   PetscCall(MpmGridShare(grid, sizeof(MpmPiece), boxes, &facets->pieces.count, (void **)&facets->pieces.at));
@@ -185,7 +185,7 @@ static PetscReal Corner(const MpmGrid *grid, const MpmPiece *piece, PetscInt k, 
     const PetscInt  upper = k >> a & 1;
     const PetscReal along = (piece->place[a] - grid->lower[a]) / grid->h[a] - (PetscReal)cell[a];
 
-    node->number = node->number * grid->nodes[a] + cell[a] + upper;
+    node->number = node->number * (grid->cells[a] + 1) + cell[a] + upper;
     value *= upper ? along : 1. - along;
   }
   return value;

@@ -116,7 +116,7 @@ static PetscErrorCode FindCandidates(Shares *shares, const MpmPoints *points)
     MpmGridFindCell(grid, shares->candidate[k].x, cell);
     for (PetscInt a = 0; a < dim; a++) {
       boxes[2 * MPM_MAX_DIM * k + a]               = PetscMax(cell[a] - AROUND - 1, 0);
-      boxes[2 * MPM_MAX_DIM * k + MPM_MAX_DIM + a] = PetscMin(cell[a] + AROUND + 2, grid->nodes[a] - 1);
+      boxes[2 * MPM_MAX_DIM * k + MPM_MAX_DIM + a] = PetscMin(cell[a] + AROUND + 2, grid->cells[a]);
     }
   }
   PetscCall(MpmGridShare(grid, sizeof(Candidate), boxes, &shares->count, (void **)&shares->candidate));

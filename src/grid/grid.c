@@ -29,6 +29,7 @@ PetscErrorCode MpmGridSetFromOptions(MpmGrid *grid, const MpmOptions *options, P
   grid->dim  = dim;
   PetscCallMPI(MPI_Comm_rank(grid->comm, &grid->rank));
   PetscCallMPI(MPI_Comm_size(grid->comm, &grid->size));
+  grid->order = 1;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     grid->cells[a] = grid->nodes[a] = 1;
     grid->h[a]                      = 1.;
@@ -91,7 +92,8 @@ void MpmGridAtStart(const MpmGrid *grid, const PetscReal x[], PetscReal start[])
 
 void MpmGridNodeAtStart(const MpmGrid *grid, const PetscInt node[], PetscReal start[])
 {
-  for (PetscInt a = 0; a < grid->dim; a++) start[a] = grid->start_lower[a] + grid->start_h[a] * (PetscReal)node[a];
+  for (PetscInt a = 0; a < grid->dim; a++)
+    start[a] = grid->start_lower[a] + grid->start_h[a] * MpmGridNodeXi(grid, node[a]);
 }
 
 void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[])
@@ -104,6 +106,23 @@ void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[])
   }
 }
 
+void MpmGridSetOrder(MpmGrid *grid, PetscInt order)
+{
+  grid->order = order;
+  for (PetscInt a = 0; a < grid->dim; a++) grid->nodes[a] = order * grid->cells[a] + 1;
+}
+
+const PetscReal *MpmCellNodes(PetscInt order)
+{
+  /* (1 + x)/2 with x = 0, sqrt(1/5), sqrt(3/7) */
+  static const PetscReal place[4][5] = {{0., 1.},
+                                        {0., 0.5, 1.},
+                                        {0., 0.27639320225002103, 0.72360679774997897, 1.},
+                                        {0., 0.17267316464601143, 0.5, 0.82732683535398857, 1.}};
+
+  return place[order - 1];
+}
+
 static inline PetscBool IsBelow(const MpmSplit *split, const PetscInt node[])
 {
   return (PetscBool)(node[split->axis] < split->node ||
@@ -114,7 +133,7 @@ static inline PetscBool IsBelow(const MpmSplit *split, const PetscInt node[])
   The part below a split goes to the lower half of its ranks. Splits stand in preorder: first one, then those of the
   part below, then those above, one less than there are ranks in each.
 */
-PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[])
+PetscMPIInt MpmGridCellOwner(const MpmGrid *grid, const PetscInt node[])
 {
   const MpmSplit *split = grid->splits;
   PetscMPIInt     first = 0, ranks = grid->size;
@@ -132,6 +151,15 @@ PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[])
     }
   }
   return first;
+}
+
+PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[])
+{
+  PetscInt cell[MPM_MAX_DIM];
+
+  if (grid->order <= 1) return MpmGridCellOwner(grid, node);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) cell[a] = node[a] / grid->order;
+  return MpmGridCellOwner(grid, cell);
 }
 
 static PetscInt BoxOwners(const MpmSplit *split, PetscMPIInt first, PetscMPIInt ranks, const PetscInt lower[],

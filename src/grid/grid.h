@@ -18,8 +18,9 @@ typedef struct MpmGrid {
   PetscInt    dim;
   PetscBool   axial; /* x is the radius, y the axis */
   PetscReal   lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], h[MPM_MAX_DIM];
-  PetscInt    cells[MPM_MAX_DIM];                                                       /* 1 on unused axes */
-  PetscInt    nodes[MPM_MAX_DIM];                                                       /* 1 on unused axes */
+  PetscInt    cells[MPM_MAX_DIM]; /* 1 on unused axes */
+  PetscInt    order;              /* nodes a cell, 1 to 4; 1: vertices alone */
+  PetscInt    nodes[MPM_MAX_DIM]; /* 1 on unused axes */
   PetscReal   start_lower[MPM_MAX_DIM], start_upper[MPM_MAX_DIM], start_h[MPM_MAX_DIM]; /* as they were read */
   PetscBool   outflow; /* in explicit steps points may leave it, and are gone */
   PetscBool   moved;   /* other than those */
@@ -44,18 +45,44 @@ void MpmGridPlace(MpmGrid *grid, const PetscReal lower[], const PetscReal upper[
 /* Where a place that moves with the grid was as the grid was read; and where a node was. */
 void MpmGridAtStart(const MpmGrid *grid, const PetscReal x[], PetscReal start[]);
 void MpmGridNodeAtStart(const MpmGrid *grid, const PetscInt node[], PetscReal start[]);
-/* The rank that owns a node, given its index on each axis; any node has an owner. */
-PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[]);
 /*
-  The ranks that own nodes of a box, both corners included, ascending, and few others beside steps in the splits;
-  returns their number. Room for grid->size.
+  MpmGridSetOrder - places nodes within cells, at the Gauss-Lobatto points of an order
+
+  Node i of an axis lies in cell i / order, and at a vertex where order divides i. Source of the points: Abramowitz and
+  Stegun (1964), 25.4.32.
+*/
+void MpmGridSetOrder(MpmGrid *grid, PetscInt order);
+/* Places of the nodes of a cell from its lower vertex, cells: order + 1 of them. */
+const PetscReal *MpmCellNodes(PetscInt order);
+/* Where a node stands along an axis, cells from the grid's lower corner. */
+static inline PetscReal MpmGridNodeXi(const MpmGrid *grid, PetscInt node)
+{
+  if (grid->order <= 1) return (PetscReal)node;
+  return (PetscReal)(node / grid->order) + MpmCellNodes(grid->order)[node % grid->order];
+}
+/* Distance of a node from the one `count` before it along an axis, cells. */
+static inline PetscReal MpmGridNodeStep(const MpmGrid *grid, PetscInt from, PetscInt count)
+{
+  return grid->order <= 1 ? (PetscReal)count : MpmGridNodeXi(grid, from + count) - MpmGridNodeXi(grid, from);
+}
+/* Where a node stands along axis a, m. */
+static inline PetscReal MpmGridNodeAt(const MpmGrid *grid, PetscInt a, PetscInt node)
+{
+  return grid->lower[a] + grid->h[a] * MpmGridNodeXi(grid, node);
+}
+/* The rank that owns a node, given its index on each axis, and that of a cell; any of them has an owner. */
+PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[]);
+PetscMPIInt MpmGridCellOwner(const MpmGrid *grid, const PetscInt cell[]);
+/*
+  The ranks that own vertices of a box of cells, both corners included, ascending, and few others beside steps in the
+  splits; returns their number. Room for grid->size.
 */
 PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const PetscInt upper[], PetscMPIInt owner[]);
 /* The cell that holds a place (a point on a face belongs to the upper cell, except at the grid's upper edge). */
 void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[]);
 /*
-  Appends copies of other ranks' records to the own ones. boxes[k] has the lower and the upper node, three indices each,
-  of the box about record k, which goes to all ranks that own nodes of it. Records are of `size` bytes, whole integers,
-  and are reallocated. Collective.
+  Appends copies of other ranks' records to the own ones. boxes[k] has the lower and the upper vertex, three indices
+  each, of the box about record k, which goes to all ranks that own vertices of it. Records are of `size` bytes, whole
+  integers, and are reallocated. Collective.
 */
 PetscErrorCode MpmGridShare(const MpmGrid *grid, size_t size, const PetscInt boxes[], PetscInt *count, void **records);

@@ -6,7 +6,7 @@
 #include "base/types.h"
 
 /*
-  A plane between nodes: those of the lattice with a smaller index on the axis are below it. Of the layer of nodes right
+  A plane between vertices of cells: those with a smaller index on the axis are below it. Of the layer of vertices right
   above it, those below `row` on another axis are below the split, too.
 */
 typedef struct MpmSplit {

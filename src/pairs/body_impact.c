@@ -41,9 +41,7 @@ void MpmPairArm(const MpmPairPatch *patch, PetscInt s, const MpmSum *sum, PetscI
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) node[a] = box->first[a] + at[a];
   MpmSpaceAt(sum->space, node, place);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-    arm[a] = a < sum->space->dim
-               ? sum->grid->lower[a] + (PetscReal)place[a] * sum->grid->h[a] - patch->side[s].lever.middle[a]
-               : 0.;
+    arm[a] = a < sum->space->dim ? MpmGridNodeAt(sum->grid, a, place[a]) - patch->side[s].lever.middle[a] : 0.;
 }
 
 void MpmPairTurn(const MpmPairLever *lever, const PetscReal moment[], PetscReal turn[])

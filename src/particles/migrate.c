@@ -124,7 +124,7 @@ static PetscErrorCode Address(MpmParticles *particles, const MpmGrid *grid, Pets
     PetscInt cell[MPM_MAX_DIM];
 
     MpmGridFindCell(grid, &x[p * dim], cell);
-    rank[p] = MpmGridNodeOwner(grid, cell);
+    rank[p] = MpmGridCellOwner(grid, cell);
     *leaving += rank[p] != grid->rank;
   }
   *astray = (PetscBool)(stray >= 0);

@@ -179,7 +179,7 @@ void MpmNodePosition(const MpmDiscretization *disc, PetscInt node, PetscReal x[]
   PetscInt at[MPM_MAX_DIM];
 
   MpmSpaceAt(disc->space, &disc->space->node[node * disc->dim], at);
-  for (PetscInt a = 0; a < disc->dim; a++) x[a] = disc->grid->lower[a] + disc->grid->h[a] * (PetscReal)at[a];
+  for (PetscInt a = 0; a < disc->dim; a++) x[a] = MpmGridNodeAt(disc->grid, a, at[a]);
 }
 
 PetscErrorCode MpmDiscretizationDestroy(MpmDiscretization *disc)

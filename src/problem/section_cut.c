@@ -42,7 +42,7 @@ void MpmCutPlaceNodes(MpmCutPass *pass)
     if (MpmSpaceIsExtra(space, i)) continue;
     MpmSpaceAt(space, &space->node[i * dim], at);
     for (PetscInt a = 0; a < dim; a++) {
-      pass->place[i * dim + a] = grid->lower[a] + grid->h[a] * (PetscReal)at[a];
+      pass->place[i * dim + a] = MpmGridNodeAt(grid, a, at[a]);
       pass->place[i * dim + a] += pass->u[i * pass->sum->block + a];
     }
   }

@@ -85,11 +85,11 @@ static PetscReal Height(MpmBodyDepth depth, const MpmGrid *grid, const PetscReal
 
   for (PetscInt a = 0; a < 2; a++) {
     const PetscReal xi = (x[a] - grid->lower[a]) / grid->h[a];
-    const PetscReal in = PetscMin(xi, (PetscReal)(grid->nodes[a] - 1) - xi);
+    const PetscReal in = PetscMin(xi, (PetscReal)grid->cells[a] - xi);
 
     line[a] = (MpmShapeLine){.weight = room[a].weight, .gradient = room[a].gradient};
-    MpmShapeEvaluate(depth->shape, depth->edge, xi, PetscMax(PetscMin(half[a] / grid->h[a], in), 0.), 0,
-                     grid->nodes[a] - 1, &line[a]);
+    MpmShapeEvaluate(depth->shape, depth->edge, xi, PetscMax(PetscMin(half[a] / grid->h[a], in), 0.), 0, grid->cells[a],
+                     &line[a]);
   }
   for (PetscInt j = 0; j < line[1].count; j++) {
     for (PetscInt i = 0; i < line[0].count; i++) {

@@ -95,7 +95,7 @@ PetscErrorCode MpmSolverSetNearNullSpace(MpmSolver *solver)
       PetscInt  at[MPM_MAX_DIM];
 
       MpmSpaceAt(solver->disc->space, &solver->disc->space->node[i * dim], at);
-      for (PetscInt a = 0; a < dim; a++) x[a] = solver->disc->grid->h[a] * (PetscReal)at[a];
+      for (PetscInt a = 0; a < dim; a++) x[a] = solver->disc->grid->h[a] * MpmGridNodeXi(solver->disc->grid, at[a]);
       SetMode(layout, k, x, &values[i * bs]);
     }
     if (solver->disc->space->extra.count) SetOwnModes(solver, k, values);

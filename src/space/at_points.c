@@ -132,7 +132,8 @@ static PetscBool GroupIsFar(const MpmSum *sum, const MpmGroup *group, const Pets
 
   MpmSpaceGroupAt(sum->space, group, first);
   for (PetscInt a = 0; a < grid->dim; a++) {
-    const PetscReal room = PetscMin((PetscReal)first[a], (PetscReal)(grid->cells[a] - first[a] - group->count[a] + 1));
+    const PetscReal low = MpmGridNodeXi(grid, first[a]), high = MpmGridNodeXi(grid, first[a] + group->count[a] - 1);
+    const PetscReal room = PetscMin(low, (PetscReal)grid->cells[a] - high);
     PetscReal       here = 0.;
 
     reach[a] = 0.;

@@ -16,15 +16,17 @@ typedef struct {
   PetscReal            *place;  /* [a][i]: of the nodes, from the first one */
 } Projection;
 
-static void PlaceNodes(const MpmGrid *grid, const MpmGroup *group, PetscReal place[])
+static void PlaceNodes(const MpmGrid *grid, const MpmSpace *space, const MpmGroup *group, PetscReal place[])
 {
   const PetscInt n = group->node_count;
+  PetscInt       first[MPM_MAX_DIM];
 
+  MpmSpaceGroupAt(space, group, first);
   for (PetscInt i = 0; i < n; i++) {
     PetscInt k = i;
 
     for (PetscInt a = 0; a < grid->dim; a++) {
-      place[a * n + i] = grid->h[a] * (PetscReal)(k % group->count[a]);
+      place[a * n + i] = grid->h[a] * MpmGridNodeStep(grid, first[a], k % group->count[a]);
       k /= group->count[a];
     }
   }
@@ -88,8 +90,7 @@ MPM_INLINE PetscErrorCode ProjectGroup(const MpmKnown known, const MpmSum *sum, 
       const PetscReal *gradient = of->gradient ? &of->gradient[p * of->gradient_stride + c * dim] : flat;
       PetscReal        start    = of->value[p * of->stride + c];
 
-      for (PetscInt a = 0; a < dim; a++)
-        start += gradient[a] * (grid->lower[a] + grid->h[a] * (PetscReal)first[a] - x[a]);
+      for (PetscInt a = 0; a < dim; a++) start += gradient[a] * (MpmGridNodeAt(grid, a, first[a]) - x[a]);
       AddComponent(known, project->weight, start, gradient, project->place, &project->sums[c * n]);
     }
     for (PetscInt i = 0; i < n; i++) project->sums[components * n + i] += project->weight[i];
@@ -112,7 +113,7 @@ PetscErrorCode MpmProjectToNodes(const MpmSum *sum, const MpmPointValues *values
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
-    PlaceNodes(sum->grid, group, project.place);
+    PlaceNodes(sum->grid, space, group, project.place);
     MPM_DISPATCH(sum->layout, group, ProjectGroup, sum, group, &project, sums);
   }
   PetscCall(MpmSpaceAddToOwners(space, n, sums));

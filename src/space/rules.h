@@ -68,7 +68,7 @@ typedef struct MpmRules {
   PetscInt           parts;                /* of the material, with nodes of their own; 0 or 1: none */
 } MpmRules;
 
-/* First and last node that bound the material around a place on each axis: the grid's edges, or a wall between. */
+/* First and last vertex that bound the material around a place on each axis: the grid's edges, or a wall between. */
 void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[], PetscInt upper[]);
 /*
   Half-lengths of a point's domain in cells: initial ones stretched by the diagonal of U, no longer than the rules'

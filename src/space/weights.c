@@ -32,7 +32,7 @@ void MpmSpaceEdges(const MpmRules *rules, const PetscReal x[], PetscInt lower[],
 
   for (PetscInt a = 0; a < grid->dim; a++) {
     lower[a] = 0;
-    upper[a] = grid->nodes[a] - 1;
+    upper[a] = grid->cells[a];
   }
   for (PetscInt w = 0; w < rules->walls.count; w++) {
     const PetscInt  a  = walls[w].axis;
@@ -97,7 +97,7 @@ static void BlockCreate(const MpmRules *rules, Block *block)
     block->lower[k] = grid->lower[k % dim];
     block->h[k]     = grid->h[k % dim];
     block->first[k] = 0;
-    block->last[k]  = grid->nodes[k % dim] - 1;
+    block->last[k]  = grid->cells[k % dim];
   }
 }
 

@@ -87,7 +87,7 @@ typedef struct {
 static void MakeLine(const MpmModel model, PetscInt axis, PetscReal x, PetscReal half_length, Line *at)
 {
   const MpmGrid  *grid = model->disc.grid;
-  const PetscInt  last = grid->nodes[axis] - 1;
+  const PetscInt  last = grid->cells[axis];
   const PetscReal xi   = (x - grid->lower[axis]) / grid->h[axis];
   PetscReal       half = PetscMin(half_length / grid->h[axis], PetscMin(xi, (PetscReal)last - xi));
 
@@ -119,7 +119,7 @@ static PetscReal AtPoint(const MpmStillWater *still, const MpmModel model, const
 
     for (PetscInt a = 0; a < dim; rest /= at[a].line.count, a++) {
       i[a] = rest % at[a].line.count;
-      y[a] = grid->lower[a] + grid->h[a] * (PetscReal)(at[a].line.first + i[a]);
+      y[a] = MpmGridNodeAt(grid, a, at[a].line.first + i[a]);
       weight *= at[a].weight[i[a]];
     }
     c = AtNode(still, y);

@@ -68,8 +68,8 @@ static void AddPoint(const MpmCondition *bc, const MpmSum *sum, const MpmGroup *
 
     if (nodes[n] < 0 || !mark[nodes[n]]) continue;
     MpmSpaceAt(space, &space->node[nodes[n] * dim], at);
-    if (PetscAbsReal(sum->points->x[p * dim + axis] - grid->lower[axis] - grid->h[axis] * (PetscReal)at[axis]) >=
-        grid->h[axis])
+    if (PetscAbsReal(sum->points->x[p * dim + axis] - grid->lower[axis] -
+                     grid->h[axis] * MpmGridNodeXi(grid, at[axis])) >= grid->h[axis])
       continue;
     if (impedance[0] < 0.) Impedances(sum, p, impedance);
     weight = MpmSpaceWeightAcross(space, group, p, axis, n) / grid->h[axis];

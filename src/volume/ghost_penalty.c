@@ -108,7 +108,8 @@ static PetscReal Turn(const MpmSum *sum, const MpmFace *face)
   PetscInt at[MPM_MAX_DIM];
 
   MpmSpaceAt(sum->space, box->first, at);
-  return MpmGridTurn(grid, grid->lower[0] + grid->h[0] * ((PetscReal)at[0] + 0.5 * (PetscReal)(box->count[0] - 1)));
+  return MpmGridTurn(grid, grid->lower[0] + grid->h[0] * (MpmGridNodeXi(grid, at[0]) +
+                                                          0.5 * MpmGridNodeStep(grid, at[0], box->count[0] - 1)));
 }
 
 /* Factor on a face's matrix, for one of the components. */

@@ -323,7 +323,7 @@ PetscInt MpmMaterialPiecesOwned(const MpmMaterialPieces *map, const MpmGrid *gri
       if (!map->mark[i]) continue;
       MpmMaterialPieceAt(map, i, cell);
       MpmSpaceAt(map->space, cell, at);
-      if (MpmGridNodeOwner(grid, at) == grid->rank) pieces[count++] = i;
+      if (MpmGridCellOwner(grid, at) == grid->rank) pieces[count++] = i;
     }
   }
   return count;

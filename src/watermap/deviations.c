@@ -66,8 +66,7 @@ static void Enter(const MpmStepMap *map, const MpmGroup *group, PetscInt p, Visi
     for (PetscInt a = 0; a < sum->space->dim; k /= group->count[a], a++) {
       const PetscInt at = first[a] + k % group->count[a];
 
-      visit->arm[a * n + i] =
-        sum->grid->lower[a] + sum->grid->h[a] * (PetscReal)at - points->x[p * sum->space->dim + a];
+      visit->arm[a * n + i] = MpmGridNodeAt(sum->grid, a, at) - points->x[p * sum->space->dim + a];
       visit->value[i] += gradient[a] * visit->arm[a * n + i];
     }
   }
