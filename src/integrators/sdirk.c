@@ -32,7 +32,7 @@
 #include "integrators/time_error.h"
 
 #define GAMMA MPM_SDIRK_GAMMA
-#define THETA ((1. - GAMMA) / GAMMA)
+#define THETA MPM_SDIRK_THETA
 
 PetscErrorCode MpmSdirkDestroy(MpmSdirk **sdirk)
 {
@@ -40,6 +40,7 @@ PetscErrorCode MpmSdirkDestroy(MpmSdirk **sdirk)
   if (!*sdirk) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree4((*sdirk)->F, (*sdirk)->value, (*sdirk)->deviation, (*sdirk)->stage));
   PetscCall(PetscFree((*sdirk)->reaction));
+  PetscCall(PetscFree((*sdirk)->first));
   PetscCall(PetscFree(*sdirk));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -142,27 +143,54 @@ static PetscErrorCode StartSecond(MpmModel model, Vec first)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SolveStages(MpmModel model, MpmOutcome *outcome)
+static PetscErrorCode BeginSecond(MpmModel model, MpmOutcome *outcome)
 {
   MpmSdirk  *sdirk = model->state.scheme.sdirk;
   MpmSumStep step;
-  PetscInt   newton, linear;
-  Vec        first;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmIntegratorQuasistatic.solve(model, outcome));
-  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
-  newton = model->solver.iterations.newton;
-  linear = model->solver.iterations.linear;
   PetscCall(KeepFirst(model));
-  PetscCall(VecDuplicate(model->solver.x, &first));
-  PetscCall(VecCopy(model->solver.x, first));
   SetFirst(model, sdirk->stage);
   PetscCall(MpmStepPrepare(model, sdirk->time, GAMMA * sdirk->dt, PETSC_TRUE, outcome));
   outcome->retryable = PETSC_TRUE;
   step               = model->disc.sum->step;
   step.span          = sdirk->dt;
   MpmDiscretizationSetStep(&model->disc, &step);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The solution of the first sub-step is kept for the derivatives of a run. */
+static PetscErrorCode KeepSolution(MpmModel model, Vec first)
+{
+  MpmSdirk          *sdirk = model->state.scheme.sdirk;
+  const PetscScalar *x;
+  PetscInt           n;
+
+  PetscFunctionBeginUser;
+  if (!model->gradient) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetLocalSize(first, &n));
+  PetscCall(PetscFree(sdirk->first));
+  PetscCall(PetscMalloc1((n + 1), &sdirk->first));
+  PetscCall(VecGetArrayRead(first, &x));
+  PetscCall(PetscArraycpy(sdirk->first, x, n));
+  PetscCall(VecRestoreArrayRead(first, &x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SolveStages(MpmModel model, MpmOutcome *outcome)
+{
+  PetscInt newton, linear;
+  Vec      first;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmIntegratorQuasistatic.solve(model, outcome));
+  if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
+  newton = model->solver.iterations.newton;
+  linear = model->solver.iterations.linear;
+  PetscCall(VecDuplicate(model->solver.x, &first));
+  PetscCall(VecCopy(model->solver.x, first));
+  PetscCall(KeepSolution(model, first));
+  PetscCall(BeginSecond(model, outcome));
   if (!outcome->code) {
     PetscCall(StartSecond(model, first));
     PetscCall(MpmIntegratorQuasistatic.solve(model, outcome));
@@ -207,5 +235,6 @@ const MpmIntegrator MpmIntegratorSdirk = {.name      = "second",
                                           .predict   = Predict,
                                           .error     = MpmTimeError,
                                           .solve     = SolveStages,
+                                          .second    = BeginSecond,
                                           .accept    = Accept,
                                           .roll_back = RollBack};

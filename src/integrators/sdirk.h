@@ -7,6 +7,7 @@
 #include "talus/talus.h"
 
 #define MPM_SDIRK_GAMMA (1. - PETSC_SQRT2 / 2.)
+#define MPM_SDIRK_THETA ((1. - MPM_SDIRK_GAMMA) / MPM_SDIRK_GAMMA) /* share of the first stage's flow */
 
 /* The step under trial, and the result of its first sub-step at the points. */
 struct MpmSdirk {
@@ -14,6 +15,7 @@ struct MpmSdirk {
   PetscReal      *F, *value, *deviation;
   MpmKernelStage *stage;    /* of each point, pointing to those */
   PetscReal      *reaction; /* of the first stage, as MpmDiscretization's */
+  PetscScalar    *first;    /* its solution, of this rank, where runs are differentiated */
   PetscReal       change;   /* reference of errors, if the step is accepted */
 };
 /* Data of the integrator of two sub-steps (sdirk.c). */

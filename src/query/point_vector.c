@@ -44,8 +44,9 @@ PetscErrorCode MpmPointVectorCopy(const MpmPointVector *from, PetscBool numbers,
 void MpmPointVectorTake(const MpmPoints *points, MpmPointVector *vector)
 {
   const PetscReal *const fields[MPM_VECTOR_FIELDS] = {
-    points->x,           points->F,  points->state,   points->physics.value,      points->physics.value_gradient,
-    points->physics.own, points->x0, points->volume0, points->domain.half_length, points->mass};
+    points->x,           points->F, points->state, points->physics.value, points->physics.value_gradient,
+    points->physics.own, NULL,      points->x0,    points->volume0,       points->domain.half_length,
+    points->mass};
 
   for (PetscInt f = 0; f < MPM_VECTOR_FIELDS; f++)
     for (PetscInt i = 0; i < vector->count * vector->size[f]; i++)

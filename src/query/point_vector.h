@@ -9,14 +9,15 @@
 typedef enum {
   MPM_VECTOR_X, /* position */
   MPM_VECTOR_F,
-  MPM_VECTOR_STATE,    /* history of the law */
-  MPM_VECTOR_VALUE,    /* of fields with a rate, */
-  MPM_VECTOR_GRADIENT, /* and their derivatives by x */
-  MPM_VECTOR_OWN,      /* states of the physics' own */
-  MPM_VECTOR_ORIGIN,   /* position from which displacements count; those from here on stay in a step */
-  MPM_VECTOR_VOLUME,   /* relative change of the initial volume, */
-  MPM_VECTOR_LENGTH,   /* of the domain's initial half-lengths */
-  MPM_VECTOR_MASS,     /* and of masses that are the points' own */
+  MPM_VECTOR_STATE,     /* history of the law */
+  MPM_VECTOR_VALUE,     /* of fields with a rate, */
+  MPM_VECTOR_GRADIENT,  /* and their derivatives by x */
+  MPM_VECTOR_OWN,       /* states of the physics' own */
+  MPM_VECTOR_DEVIATION, /* deviations at the first of two stages, whose vectors alone have them */
+  MPM_VECTOR_ORIGIN,    /* position from which displacements count; those from here on stay in a step */
+  MPM_VECTOR_VOLUME,    /* relative change of the initial volume, */
+  MPM_VECTOR_LENGTH,    /* of the domain's initial half-lengths */
+  MPM_VECTOR_MASS,      /* and of masses that are the points' own */
   MPM_VECTOR_FIELDS
 } MpmVectorField;
 

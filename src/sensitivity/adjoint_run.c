@@ -34,39 +34,82 @@ static PetscErrorCode PullObjectives(MpmModel model, PetscInt n, MpmPointVector 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  One stage, with bars of its end, and in lam the weights of its reactions: bars of its start and derivatives by
+  parameters are added.
+*/
+static PetscErrorCode StagePull(MpmModel model, MpmReplayedStep *step, const MpmPointVector *end, PetscReal lam[],
+                                MpmPointVector *start, PetscReal values[])
+{
+  MpmStepMap    *map   = &step->map;
+  const PetscInt count = model->disc.space->local * model->disc.block;
+  PetscReal     *ubar, *solved;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc2((count + 1), &ubar, (count + 1), &solved));
+  PetscCall(MpmReplayedStepLinearise(model, step));
+  PetscCall(MpmPointTableCreate(map, &map->table));
+  PetscCall(MpmPointsPullSolution(map, end, lam, ubar));
+  PetscCall(MpmGhostPullSolution(map, lam, ubar));
+  PetscCall(MpmReplayedSolve(model, step, PETSC_TRUE, ubar, solved));
+  for (PetscInt k = 0; k < count; k++) lam[k] += solved[k];
+  PetscCall(MpmPointsPullStart(map, end, lam, start, values));
+  PetscCall(MpmLoadsPullStart(map, lam, start, values));
+  PetscCall(MpmGhostPullStart(map, lam, values));
+  PetscCall(MpmPointTableDestroy(&map->table));
+  PetscCall(PetscFree2(ubar, solved));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first of two stages, with bars of the second one's numbers, which also has those of deviations at the start. */
+static PetscErrorCode FirstPull(MpmModel model, PetscInt n, const MpmStageNumbers *bars, PetscReal lam[],
+                                MpmPointVector *start, PetscReal values[])
+{
+  const MpmStageNumbers stage = {.deviation_n = bars->deviation_n};
+  MpmPointVector        end   = {0};
+  MpmReplayedStep       step;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmTapeFirstStage(model, &model->gradient->tape, n));
+  PetscCall(MpmReplayedStepCreate(model, &step));
+  step.map.stage = &stage;
+  PetscCall(MpmStageVectorCreate(&step.map, bars, &end));
+  PetscCall(StagePull(model, &step, &end, lam, start, values));
+  PetscCall(MpmPointVectorDestroy(&end));
+  PetscCall(MpmReplayedStepDestroy(&step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* One step: `vector`, the derivative by its end, becomes that by its start. */
 static PetscErrorCode StepPull(MpmModel model, PetscInt n, MpmReplayedStep *step, MpmPointVector *vector,
                                PetscReal values[])
 {
   MpmStepMap     *map   = &step->map;
+  const PetscBool two   = MpmTapeHasTwoStages(&model->gradient->tape, n);
   const PetscInt  count = model->disc.space->local * model->disc.block;
   MpmPointVector  start = {0}, end = {0};
   MpmStageNumbers stage = {0};
-  PetscReal      *lam, *ubar, *solved;
+  PetscReal      *lam, *first;
 
   PetscFunctionBeginUser;
   PetscCall(MpmStageNumbersCreate(map, &stage));
   map->stage = &stage;
-  PetscCall(PetscCalloc3((count + 1), &lam, (count + 1), &ubar, (count + 1), &solved));
+  PetscCall(PetscCalloc2((count + 1), &lam, (count + 1), &first));
   PetscCall(MpmStepVectorCreate(map, &start));
   PetscCall(MpmStepVectorCreate(map, &end));
   PetscCall(MpmPointVectorMove(model->comm, vector, &end));
   PetscCall(MpmPointVectorDestroy(vector));
   PetscCall(PullObjectives(model, n, &end, lam));
-  PetscCall(MpmPointsPullSolution(map, &end, lam, ubar));
-  PetscCall(MpmGhostPullSolution(map, lam, ubar));
-  PetscCall(MpmReplayedSolve(model, step, PETSC_TRUE, ubar, solved));
-  for (PetscInt k = 0; k < count; k++) lam[k] += solved[k];
-  PetscCall(MpmPointsPullStart(map, &end, lam, &start, values));
-  PetscCall(MpmLoadsPullStart(map, lam, &start, values));
-  PetscCall(MpmGhostPullStart(map, lam, values));
+  if (two) MpmReplayedAddFlow(model, lam, first);
+  PetscCall(StagePull(model, step, &end, lam, &start, values));
+  if (two) PetscCall(FirstPull(model, n, &stage, first, &start, values));
   if (stage.deviation_n) PetscCall(MpmDeviationsPull(map, stage.deviation_n, &start));
   PetscCall(MpmStageNumbersDestroy(&stage));
   MpmPointVectorAddConstant(&end, &start);
   MpmStagePull(model, n, map, values, &start);
   *vector = start;
   PetscCall(MpmPointVectorDestroy(&end));
-  PetscCall(PetscFree3(lam, ubar, solved));
+  PetscCall(PetscFree2(lam, first));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -82,10 +125,8 @@ PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[])
     MpmReplayedStep step;
 
     PetscCall(MpmTapeReplay(model, &gradient->tape, n, PETSC_FALSE));
-    PetscCall(MpmReplayedStepCreate(model, n, &step));
-    PetscCall(MpmPointTableCreate(&step.map, &step.map.table));
+    PetscCall(MpmReplayedStepCreate(model, &step));
     PetscCall(StepPull(model, n, &step, &vector, values));
-    PetscCall(MpmPointTableDestroy(&step.map.table));
     PetscCall(MpmReplayedStepDestroy(&step));
     if (!gradient->checks) PetscCall(MpmTapeDone(&gradient->tape, n));
   }

@@ -102,18 +102,11 @@ static PetscBool AnyFills(const MpmBodies *bodies)
   return PETSC_FALSE;
 }
 
-/* True where any stage has inertia, or steps of two stages. */
+/* True where any stage has inertia, or relaxes where it fails. */
 static PetscBool AnyMotion(const MpmScene *scene)
 {
   for (PetscInt k = 0; k < scene->stages.count; k++)
     if (scene->stages.at[k].time.motion.type != MPM_QUASISTATIC) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-static PetscBool AnySecond(const MpmScene *scene)
-{
-  for (PetscInt k = 0; k < scene->stages.count; k++)
-    if (scene->stages.at[k].time.second) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -150,7 +143,6 @@ static const char *FindPart(const MpmModel model)
          {"bodies that fill the gap beneath as they join", AnyFills(scene->bodies)},
          {"a reduction of strength", MpmStagesReduce(model)},
          {"a relaxation", (PetscBool)(MpmStagesRelax(model) || AnyRescue(scene))},
-         {"steps of two stages (-mpm_time_scheme)", AnySecond(scene)},
          {"axial symmetry of more than a solid",
           (PetscBool)(scene->deformation.kinematics == MPM_AXISYMMETRY && model->disc.layout->rate.count > 0)},
          {"boundaries", (PetscBool)(scene->boundaries->count > 0)},

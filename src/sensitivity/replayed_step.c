@@ -2,6 +2,7 @@
   A step of the tape at its solution: data for the sums of its derivatives, solves with its Jacobian, and derivatives of
   changes without a step, before it.
 */
+#include "point/layout.h"
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/points.h"
@@ -11,6 +12,7 @@
 #include "problem/evaluation.h"
 #include "query/point_vector.h"
 #include "step/step.h"
+#include "integrators/sdirk.h"
 #include "sensitivity/replayed_step.h"
 
 #define MOST_OWN 16    /* numbers that a physics keeps of a point */
@@ -28,12 +30,13 @@ MpmStepConstants MpmGradientConstants(const MpmModel model)
   return (MpmStepConstants){AnyResets(model), MpmGradientStartDiffers(model)};
 }
 
-/* A Krylov method of its own around the solver's preconditioner. */
-static PetscErrorCode CreateSolver(MpmModel model, KSP *ksp)
+/* The solver is a Krylov method of its own around the model's preconditioner. */
+PetscErrorCode MpmReplayedStepLinearise(MpmModel model, MpmReplayedStep *step)
 {
-  KSP own;
-  PC  pc;
-  Mat J, P;
+  KSP *const ksp = &step->ksp;
+  KSP        own;
+  PC         pc;
+  Mat        J, P;
 
   PetscFunctionBeginUser;
   PetscCall(MpmSolverLinearise(&model->solver, model->solver.x, &J, &own));
@@ -50,7 +53,7 @@ static PetscErrorCode CreateSolver(MpmModel model, KSP *ksp)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep *step)
+PetscErrorCode MpmReplayedStepCreate(MpmModel model, MpmReplayedStep *step)
 {
   const MpmDiscretization *disc  = &model->disc;
   const PetscInt           count = disc->space->local * disc->block, loads = model->scene.loads->count;
@@ -58,12 +61,12 @@ PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&rules));
-  *rules = MpmStepRules(model, model->gradient->tape.step[n].time);
-  PetscCall(CreateSolver(model, &step->ksp)); /* gathers the solution at the nodes, too */
+  *rules    = MpmStepRules(model, model->state.time + disc->sum->step.span);
+  step->ksp = NULL;
   PetscCall(VecDuplicate(model->solver.x, &step->right));
   PetscCall(VecDuplicate(model->solver.x, &step->solution));
   PetscCall(PetscMalloc2((count + 1), &step->u, (loads + 1), &step->factors));
-  PetscCall(PetscArraycpy(step->u, disc->nodal.u, count));
+  PetscCall(MpmEvaluationNodes(disc, model->solver.x, step->u));
   for (PetscInt l = 0; l < loads; l++) step->factors[l] = MpmStepLoadFactor(model, l, rules->time.end);
   step->map = (MpmStepMap){.rules      = rules,
                            .sum        = disc->sum,
@@ -77,6 +80,14 @@ PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep
                            .loads      = model->scene.loads->at,
                            .factors    = step->factors};
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmReplayedAddFlow(const MpmModel model, const PetscReal from[], PetscReal to[])
+{
+  const PetscInt bs = model->disc.block;
+
+  for (PetscInt k = 0; k < model->disc.space->local * bs; k++)
+    if (!model->disc.layout->component[k % bs].increment) to[k] += MPM_SDIRK_THETA * from[k];
 }
 
 PetscErrorCode MpmReplayedStepDestroy(MpmReplayedStep *step)

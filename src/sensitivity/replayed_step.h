@@ -27,15 +27,16 @@ PetscErrorCode MpmStartPull(MpmModel model, const MpmPointVector *vector, PetscR
 /* Of all states of the run. */
 MpmStepConstants MpmGradientConstants(const MpmModel model);
 
-/* The step that is replayed, as the sums of its derivatives take it (replayed_step.c). */
+/* The stage that is replayed, as the sums of its derivatives take it (replayed_step.c). */
 typedef struct {
   MpmStepMap map;
   PetscReal *u, *factors;
-  KSP        ksp; /* of solves with the Jacobian J at the step's solution */
+  KSP        ksp; /* of solves with the Jacobian J at the solution */
   Vec        right, solution;
 } MpmReplayedStep;
-/* The model stands at the solution of step n; J is made anew. */
-PetscErrorCode MpmReplayedStepCreate(MpmModel model, PetscInt n, MpmReplayedStep *step);
+/* The model stands at the solution of a step, or of its first stage. Linearise: J is made anew, for the solves. */
+PetscErrorCode MpmReplayedStepCreate(MpmModel model, MpmReplayedStep *step);
+PetscErrorCode MpmReplayedStepLinearise(MpmModel model, MpmReplayedStep *step);
 PetscErrorCode MpmReplayedStepDestroy(MpmReplayedStep *step);
 /*
   J y = b, or J^T y = b. Arrays at the local nodes, along the axes: b a rank's part, of which constrained unknowns do
@@ -43,6 +44,8 @@ PetscErrorCode MpmReplayedStepDestroy(MpmReplayedStep *step);
 */
 PetscErrorCode MpmReplayedSolve(MpmModel model, const MpmReplayedStep *step, PetscBool transposed, PetscReal b[],
                                 PetscReal y[]);
+/* Adds the part of the first of two stages in the step's flow, of residuals or their bars at the local nodes. */
+void MpmReplayedAddFlow(const MpmModel model, const PetscReal from[], PetscReal to[]);
 /* Weight of objective o's column after step n. */
 static inline PetscReal MpmGradientWeight(const MpmGradient *gradient, PetscInt o, PetscInt n)
 {

@@ -63,22 +63,82 @@ static PetscErrorCode Enter(MpmModel model, PetscInt n, PetscInt number, const M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Up to MPM_PACK numbers in one step. */
-static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt many, const PetscInt which[],
-                                const MpmReplayedStep *step, MpmPointVector vectors[])
+/* One stage along these directions: du and, if they are wanted, dr with it and the changes of its end. */
+static PetscErrorCode StageAlong(MpmModel model, const MpmReplayedStep *step, PetscBool balance, PetscReal *const du[],
+                                 MpmPointVector end[], MpmStepDirection of[], MpmStepDirections *directions)
 {
-  const MpmStepMap *map             = &step->map;
-  MpmGradient      *gradient        = model->gradient;
-  const PetscInt    count           = model->disc.space->local * model->disc.block;
-  const PetscBool   balance         = AnyBalance(model);
+  const MpmStepMap *map      = &step->map;
+  const PetscInt    count    = model->disc.space->local * model->disc.block;
+  PetscReal *const *residual = directions->residual;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmPointsAlong(map, directions));
+  for (PetscInt k = 0; k < directions->count; k++) {
+    PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
+    PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
+    for (PetscInt i = 0; i < count; i++) residual[k][i] = -residual[k][i];
+    PetscCall(MpmReplayedSolve(model, step, PETSC_FALSE, residual[k], du[k]));
+    PetscCall(PetscArrayzero(residual[k], count));
+    of[k].du = du[k];
+  }
+  directions->end      = end;
+  directions->residual = balance ? residual : NULL;
+  PetscCall(MpmPointsAlong(map, directions));
+  for (PetscInt k = 0; balance && k < directions->count; k++) {
+    PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
+    PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
+  }
+  for (PetscInt k = 0; k < directions->count; k++) of[k].du = NULL;
+  directions->end      = NULL;
+  directions->residual = residual;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  The first of two stages along the second one's directions, which get the changes of its end; the residuals are the
+  changes of its own.
+*/
+static PetscErrorCode FirstAlong(MpmModel model, PetscInt n, PetscBool balance, PetscReal *const du[],
+                                 const MpmStageNumbers stage[], MpmStepDirection of[], MpmStepDirections *directions)
+{
+  MpmPointVector  end[MPM_PACK] = {{0}};
+  MpmReplayedStep step;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmTapeFirstStage(model, &model->gradient->tape, n));
+  PetscCall(MpmReplayedStepCreate(model, &step));
+  PetscCall(MpmReplayedStepLinearise(model, &step));
+  for (PetscInt k = 0; k < directions->count; k++) PetscCall(MpmStageVectorCreate(&step.map, NULL, &end[k]));
+  PetscCall(StageAlong(model, &step, balance, du, end, of, directions));
+  for (PetscInt k = 0; k < directions->count; k++) {
+    const PetscInt count = end[k].count, rates = end[k].size[MPM_VECTOR_VALUE];
+
+    PetscCall(PetscArraycpy(stage[k].F, end[k].F, count * end[k].F_size));
+    PetscCall(PetscArraycpy(stage[k].value, end[k].at[MPM_VECTOR_VALUE], count * rates));
+    PetscCall(PetscArraycpy(stage[k].deviation, end[k].at[MPM_VECTOR_DEVIATION], count * rates));
+    PetscCall(MpmPointVectorDestroy(&end[k]));
+  }
+  PetscCall(MpmReplayedStepDestroy(&step));
+  PetscCall(MpmTapeSecondStage(model, &model->gradient->tape, n));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Up to MPM_PACK numbers in one step, whose solver is set up. */
+static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt many, const PetscInt which[],
+                                MpmReplayedStep *step, MpmPointVector vectors[])
+{
+  const MpmStepMap *map      = &step->map;
+  MpmGradient      *gradient = model->gradient;
+  const PetscInt    count    = model->disc.space->local * model->disc.block;
+  const PetscBool   balance = AnyBalance(model), two = MpmTapeHasTwoStages(&gradient->tape, n);
   MpmPointVector    start[MPM_PACK] = {{0}}, end[MPM_PACK] = {{0}};
   MpmStageNumbers   stage[MPM_PACK];
   MpmStepDirection  of[MPM_PACK];
-  PetscReal        *residual[MPM_PACK], *du[MPM_PACK], *room;
+  PetscReal        *residual[MPM_PACK], *du[MPM_PACK], *flow, *room;
   MpmStepDirections directions = {.count = many, .of = of, .residual = residual};
 
   PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1((2 * many * count + 1), &room));
+  PetscCall(PetscCalloc2((2 * many * count + 1), &room, ((two ? many * count : 0) + 1), &flow));
   for (PetscInt k = 0; k < many; k++) {
     residual[k] = &room[2 * k * count];
     du[k]       = &room[(2 * k + 1) * count];
@@ -88,38 +148,35 @@ static PetscErrorCode StepAlong(MpmModel model, PetscInt n, PetscInt many, const
     of[k].stage = &stage[k];
     PetscCall(MpmStepVectorCreate(map, &end[k]));
   }
-  PetscCall(MpmPointsAlong(map, &directions));
-  for (PetscInt k = 0; k < many; k++) {
-    PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
-    PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
-    for (PetscInt i = 0; i < count; i++) residual[k][i] = -residual[k][i];
-    PetscCall(MpmReplayedSolve(model, step, PETSC_FALSE, residual[k], du[k]));
-    PetscCall(PetscArrayzero(residual[k], count));
-    of[k].du = du[k];
+  if (two) {
+    PetscCall(FirstAlong(model, n, balance, du, stage, of, &directions));
+    for (PetscInt k = 0; k < many; k++) {
+      MpmReplayedAddFlow(model, residual[k], &flow[k * count]);
+      PetscCall(PetscArrayzero(residual[k], count));
+    }
+    PetscCall(MpmReplayedStepLinearise(model, step));
   }
-  directions.end = end;
-  if (!balance) directions.residual = NULL;
-  PetscCall(MpmPointsAlong(map, &directions));
+  PetscCall(StageAlong(model, step, balance, du, end, of, &directions));
   for (PetscInt k = 0; k < many; k++) {
-    if (balance) PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
-    if (balance) PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
+    for (PetscInt i = 0; two && i < count; i++) residual[k][i] += flow[k * count + i];
     MpmPointVectorAddConstant(&start[k], &end[k]);
     PetscCall(FindSlopes(model, &end[k], residual[k], Slopes(gradient, n, which[k])));
     vectors[which[k]] = end[k];
     PetscCall(MpmPointVectorDestroy(&start[k]));
     PetscCall(MpmStageNumbersDestroy(&stage[k]));
   }
-  PetscCall(PetscFree(room));
+  PetscCall(PetscFree2(room, flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* All parameters in step n that have derivatives in closed form. */
-static PetscErrorCode StepAlongAll(MpmModel model, PetscInt n, const MpmReplayedStep *step, MpmPointVector vectors[])
+static PetscErrorCode StepAlongAll(MpmModel model, PetscInt n, MpmReplayedStep *step, MpmPointVector vectors[])
 {
   const PetscInt count = model->gradient->parameters.count + model->gradient->grounds.direction_count;
   PetscInt       which[MPM_PACK], many = 0;
 
   PetscFunctionBeginUser;
+  if (!MpmTapeHasTwoStages(&model->gradient->tape, n)) PetscCall(MpmReplayedStepLinearise(model, step));
   for (PetscInt k = 0; k < count; k++) {
     if (!MpmGradientIsClosed(model->gradient, k)) continue;
     which[many++] = k;
@@ -148,7 +205,7 @@ PetscErrorCode MpmTangentRun(MpmModel model, PetscReal values[])
     MpmReplayedStep step;
 
     PetscCall(MpmTapeReplay(model, &gradient->tape, n, PETSC_TRUE));
-    PetscCall(MpmReplayedStepCreate(model, n, &step));
+    PetscCall(MpmReplayedStepCreate(model, &step));
     PetscCall(StepAlongAll(model, n, &step, vectors));
     PetscCall(MpmReplayedStepDestroy(&step));
   }

@@ -6,6 +6,7 @@
 #include "space/sum.h"
 #include "query/query.h"
 #include "step/integrator.h"
+#include "integrators/sdirk.h"
 #include "schedule/schedule.h"
 #include "schedule/stage.h"
 #include "sensitivity/tape.h"
@@ -43,7 +44,7 @@ PetscErrorCode MpmTapeRecord(MpmModel model, PetscInt row, MpmTape *tape)
   }
   step        = &tape->step[tape->count++];
   step->time  = model->state.time;
-  step->dt    = model->disc.sum->step.dt;
+  step->dt    = model->disc.sum->step.span;
   step->stage = model->state.stage;
   step->row   = row;
   step->count = model->disc.space->owned * model->disc.block;
@@ -51,7 +52,13 @@ PetscErrorCode MpmTapeRecord(MpmModel model, PetscInt row, MpmTape *tape)
   PetscCall(VecGetArrayRead(model->solver.x, &x));
   PetscCall(PetscArraycpy(step->x, x, step->count));
   PetscCall(VecRestoreArrayRead(model->solver.x, &x));
-  PetscCall(MpmTapeStoreCount(model, (PetscReal)step->count * (PetscReal)sizeof(PetscScalar), &tape->states));
+  step->first = NULL;
+  if (model->state.scheme.integrator->second) {
+    step->first                      = model->state.scheme.sdirk->first;
+    model->state.scheme.sdirk->first = NULL;
+  }
+  PetscCall(MpmTapeStoreCount(model, (step->first ? 2. : 1.) * (PetscReal)step->count * (PetscReal)sizeof(PetscScalar),
+                              &tape->states));
   PetscCall(MpmTapeStoreAdd(model, tape->count, &tape->states));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -76,11 +83,67 @@ static PetscErrorCode Remove(MpmModel model, PetscReal time, MpmOutcome *outcome
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool MpmTapeHasTwoStages(const MpmTape *tape, PetscInt n)
+{
+  return (PetscBool)(tape->step[n].first != NULL);
+}
+
+/* A solution of a step, or of a stage, becomes the solver's. */
+static PetscErrorCode TakeSolution(MpmModel model, const PetscScalar solution[], PetscBool evaluate)
+{
+  PetscScalar *x;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecGetArrayWrite(model->solver.x, &x));
+  PetscCall(PetscArraycpy(x, solution, model->disc.space->owned * model->disc.block));
+  PetscCall(VecRestoreArrayWrite(model->solver.x, &x));
+  if (evaluate) PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckReplay(MpmModel model, const MpmTape *tape, PetscInt n, const MpmOutcome *outcome)
+{
+  PetscFunctionBeginUser;
+  PetscCheck(!outcome->code && tape->step[n].count == model->disc.space->owned * model->disc.block, model->comm,
+             PETSC_ERR_PLIB, "step %" PetscInt_FMT " cannot be replayed: %s", n + 1,
+             outcome->code ? outcome->text : "other unknowns");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTapeFirstStage(MpmModel model, const MpmTape *tape, PetscInt n)
+{
+  const MpmTapeStep *step = &tape->step[n];
+  MpmOutcome         outcome;
+
+  PetscFunctionBeginUser;
+  PetscCall((*model->state.scheme.integrator->begin)(model, step->time, step->dt, PETSC_TRUE, &outcome));
+  PetscCall(CheckReplay(model, tape, n, &outcome));
+  PetscCall(TakeSolution(model, step->first, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* From the solution of the first stage, which is evaluated. */
+static PetscErrorCode GoToSecond(MpmModel model, const MpmTape *tape, PetscInt n, PetscBool evaluate)
+{
+  MpmOutcome outcome;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
+  PetscCall((*model->state.scheme.integrator->second)(model, &outcome));
+  PetscCall(CheckReplay(model, tape, n, &outcome));
+  PetscCall(TakeSolution(model, tape->step[n].x, evaluate));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTapeSecondStage(MpmModel model, const MpmTape *tape, PetscInt n)
+{
+  return GoToSecond(model, tape, n, PETSC_TRUE);
+}
+
 /* The model, at a step's start, is brought to its solution; evaluated there, if the step is to be accepted. */
 static PetscErrorCode GoToSolution(MpmModel model, const MpmTape *tape, PetscInt n, PetscBool evaluate)
 {
   const MpmTapeStep *step = &tape->step[n];
-  PetscScalar       *x;
   MpmOutcome         outcome;
 
   PetscFunctionBeginUser;
@@ -89,12 +152,10 @@ static PetscErrorCode GoToSolution(MpmModel model, const MpmTape *tape, PetscInt
   if (!outcome.code) PetscCall(Remove(model, step->time, &outcome));
   if (!outcome.code)
     PetscCall((*model->state.scheme.integrator->begin)(model, step->time, step->dt, PETSC_FALSE, &outcome));
-  PetscCheck(!outcome.code && step->count == model->disc.space->owned * model->disc.block, model->comm, PETSC_ERR_PLIB,
-             "step %" PetscInt_FMT " cannot be replayed: %s", n + 1, outcome.code ? outcome.text : "other unknowns");
-  PetscCall(VecGetArrayWrite(model->solver.x, &x));
-  PetscCall(PetscArraycpy(x, step->x, step->count));
-  PetscCall(VecRestoreArrayWrite(model->solver.x, &x));
-  if (evaluate) PetscCall(SNESComputeFunction(model->solver.snes, model->solver.x, model->solver.f));
+  PetscCall(CheckReplay(model, tape, n, &outcome));
+  if (!step->first) PetscFunctionReturn(TakeSolution(model, step->x, evaluate));
+  PetscCall(TakeSolution(model, step->first, PETSC_FALSE));
+  PetscCall(GoToSecond(model, tape, n, evaluate));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -167,7 +228,10 @@ PetscErrorCode MpmTapeFinish(MpmModel model, MpmTape *tape)
 PetscErrorCode MpmTapeDestroy(MpmTape *tape)
 {
   PetscFunctionBeginUser;
-  for (PetscInt n = 0; n < tape->count; n++) PetscCall(PetscFree(tape->step[n].x));
+  for (PetscInt n = 0; n < tape->count; n++) {
+    PetscCall(PetscFree(tape->step[n].x));
+    PetscCall(PetscFree(tape->step[n].first));
+  }
   if (tape->end.points) PetscCall(MpmStateForget(&tape->end));
   PetscCall(MpmTapeStoreDestroy(&tape->states));
   PetscCall(PetscFree(tape->step));

@@ -13,6 +13,7 @@ typedef struct {
   PetscInt     row;   /* of the collected curves, at its end */
   PetscInt     count; /* owned unknowns */
   PetscScalar *x;     /* the solution, in the solver's units */
+  PetscScalar *first; /* of two stages, the first one's; or NULL */
 } MpmTapeStep;
 
 typedef struct {
@@ -33,11 +34,15 @@ PetscErrorCode MpmTapeRestart(MpmModel model, MpmTape *tape);
 /* True where step n is the first one, or the first of its stage. */
 PetscBool MpmTapeBeginsStage(const MpmTape *tape, PetscInt n);
 /*
-  The model stands at the solution of step n, with its space and loads. Replays go forward, or backward. The state is
-  kept for another replay. Done: the steps from n on are not replayed any more. Finish: the model returns to the run's
-  end, and the tape is empty.
+  The model stands at the solution of step n, of its last stage, with its space and loads. Replays go forward, or
+  backward. The state is kept for another replay. Done: the steps from n on are not replayed any more. Finish: the model
+  returns to the run's end, and the tape is empty.
 */
 PetscErrorCode MpmTapeReplay(MpmModel model, MpmTape *tape, PetscInt n, PetscBool forward);
+/* True where step n has two stages. First: from there to the first one's solution. Second: back, evaluated there. */
+PetscBool      MpmTapeHasTwoStages(const MpmTape *tape, PetscInt n);
+PetscErrorCode MpmTapeFirstStage(MpmModel model, const MpmTape *tape, PetscInt n);
+PetscErrorCode MpmTapeSecondStage(MpmModel model, const MpmTape *tape, PetscInt n);
 PetscErrorCode MpmTapeDone(MpmTape *tape, PetscInt n);
 PetscErrorCode MpmTapeFinish(MpmModel model, MpmTape *tape);
 PetscErrorCode MpmTapeDestroy(MpmTape *tape);

@@ -18,6 +18,7 @@
   error      estimate of the step's error in time; NULL where there is none
   length     before `begin`: the longest step allowed, into state.dt.wanted; `outcome`: whether there is such a step.
              NULL: the step control chooses, and cuts failing steps
+  second     of two stages: the second one begins, at the first one's solution; NULL: there is one stage
   finish     after a stage's last step, with the points in their places; NULL: nothing is left to do
 */
 struct MpmIntegrator {
@@ -29,5 +30,6 @@ struct MpmIntegrator {
   PetscErrorCode (*roll_back)(MpmModel model);
   PetscErrorCode (*error)(MpmModel model, PetscReal *estimate);
   PetscErrorCode (*length)(MpmModel model, MpmOutcome *outcome);
+  PetscErrorCode (*second)(MpmModel model, MpmOutcome *outcome);
   PetscErrorCode (*finish)(MpmModel model);
 };

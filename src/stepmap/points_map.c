@@ -45,6 +45,25 @@ PetscErrorCode MpmStateVectorCreate(const MpmSum *sum, const MpmPoints *points, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmStageVectorCreate(const MpmStepMap *map, const MpmStageNumbers *bars, MpmPointVector *vector)
+{
+  const PetscInt rates = map->sum->layout->rate.count, count = map->sum->points->count, F = map->sum->points->F_size;
+  PetscInt       size[MPM_VECTOR_FIELDS];
+  MpmPointVector state = {0};
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmStepVectorCreate(map, &state));
+  PetscCall(PetscArraycpy(size, state.size, MPM_VECTOR_FIELDS));
+  PetscCall(MpmPointVectorDestroy(&state));
+  size[MPM_VECTOR_DEVIATION] = rates;
+  PetscCall(MpmPointVectorCreate(map->sum->points, size, vector));
+  if (!bars) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscArraycpy(vector->F, bars->F, count * F));
+  PetscCall(PetscArraycpy(vector->at[MPM_VECTOR_VALUE], bars->value, count * rates));
+  PetscCall(PetscArraycpy(vector->at[MPM_VECTOR_DEVIATION], bars->deviation, count * rates));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmStepVectorCreate(const MpmStepMap *map, MpmPointVector *vector)
 {
   PetscFunctionBeginUser;

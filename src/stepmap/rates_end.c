@@ -51,6 +51,8 @@ void MpmRatesEndAlong(const MpmStepMap *map, PetscInt p, const PetscReal input[]
   at                                         = FindEnd(layout, input);
   gradient                                   = MpmPointNumbers(end, MPM_VECTOR_GRADIENT, p);
   *MpmPointNumbers(end, MPM_VECTOR_VALUE, p) = dinput[InputOf(layout, c, 0) * MPM_PACK];
+  if (end->size[MPM_VECTOR_DEVIATION])
+    *MpmPointNumbers(end, MPM_VECTOR_DEVIATION, p) = dinput[InputOf(layout, c, MPM_DEVIATION(dim)) * MPM_PACK];
   for (PetscInt i = 0; i < dim; i++) gradient[i] = 0.;
   for (PetscInt j = 0; j < dim; j++) {
     PetscReal change = dinput[InputOf(layout, c, 1 + j) * MPM_PACK];
@@ -70,6 +72,8 @@ void MpmRatesPullInputs(const MpmStepMap *map, PetscInt p, const PetscReal input
   if (!layout->rate.count) return;
   at = FindEnd(layout, input);
   by_input[InputOf(layout, c, 0)] += *MpmPointNumbers(end, MPM_VECTOR_VALUE, p);
+  if (end->size[MPM_VECTOR_DEVIATION])
+    by_input[InputOf(layout, c, MPM_DEVIATION(dim))] += *MpmPointNumbers(end, MPM_VECTOR_DEVIATION, p);
   for (PetscInt j = 0; j < dim; j++) {
     PetscReal h = 0.;
 

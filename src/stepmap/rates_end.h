@@ -4,7 +4,8 @@
 
     p' = p ,   g' = dF^{-T} G ,   dF = I + H
 
-  with H and G the gradients of the displacement and of the field, and p its value, all of them inputs of the kernel.
+  with H and G the gradients of the displacement and of the field, and p its value, all of them inputs of the kernel. At
+  the end of the first of two stages also its deviation, an input as well.
 */
 #include "stepmap/step_map.h"
 

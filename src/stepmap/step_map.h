@@ -69,6 +69,8 @@ typedef struct {
 PetscErrorCode MpmStateVectorCreate(const MpmSum *sum, const MpmPoints *points, MpmStepConstants constants,
                                     MpmPointVector *vector);
 PetscErrorCode MpmStepVectorCreate(const MpmStepMap *map, MpmPointVector *vector);
+/* A vector over the end of the first of two stages; bars of it, if given: of the second stage's numbers. */
+PetscErrorCode MpmStageVectorCreate(const MpmStepMap *map, const MpmStageNumbers *bars, MpmPointVector *vector);
 
 /* Adds dr at the local nodes, a rank's part, and sets ds', where they are wanted. */
 PetscErrorCode MpmPointsAlong(const MpmStepMap *map, const MpmStepDirections *directions);

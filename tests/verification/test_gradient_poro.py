@@ -12,6 +12,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import Test  # noqa: E402
 
 SCENE = Path(__file__).resolve().parent / "gradient_poro.yaml"
+RATE = Path(__file__).resolve().parent / "gradient_rate.yaml"
+RATIOS = {0.1: 0.50004, 0.3: 0.53154, 1: 0.75008, 3: 0.90000, 10: 0.96774}  # E/F dF/dE by time factor
 EXACT = {"snes_rtol": 1e-13, "snes_stol": 0, "mpm_quiet": None, "mpm_output_every": 0}
 NUMBERS = "clay.E,clay.nu,clay.permeability,water.viscosity,clay.porosity,water.modulus,strip.factor"
 FINITE = {"mpm_material_clay_type": "neo_hookean", "mpm_material_clay_permeability_law": "kozeny_carman"}
@@ -22,6 +24,8 @@ LAWS = {
     "finite.means": ({**FINITE, "mpm_stabilization_fbar": "true"}, NUMBERS),
     "finite.spread": ({"mpm_material_clay_type": "neo_hookean", "mpm_material_clay_permeability_law": "uzuoka_borja",
                        "mpm_stabilization_fbar": "spread"}, NUMBERS),
+    "second.small": ({"mpm_stabilization_fbar": "false", "mpm_time_scheme": "second"}, NUMBERS),
+    "second": ({**FINITE, "mpm_stabilization_fbar": "true", "mpm_time_scheme": "second"}, NUMBERS),
     "plastic": ({"mpm_material_clay_type": "mohr_coulomb", "mpm_material_clay_cohesion": 8e3, "mpm_material_clay_friction": 20,
                  "mpm_material_clay_dilation": 5, "mpm_stabilization_fbar": "true"},
                 "clay.cohesion,clay.friction,clay.permeability,water.viscosity"),
@@ -57,7 +61,17 @@ with Test() as test:
                 gradient[names.index("water.modulus")] * 1e8 - gradient[names.index("clay.permeability")] * 1e-12
             test.near(label + ".forces", forces, 0.0, absolute=1e-9 * abs(value))
     # the flow out of the nodes at which the pressure is held
-    compare(test, "flow", "clay.E,clay.permeability,strip.factor", column="reaction_top_p")
+    compare(test, "flow", "clay.E,clay.permeability,strip.factor", column="reaction_top_p", mpm_time_scheme="second",
+            mpm_stabilization_fbar="spread")
+    # compression at a constant rate, with M in proportion to E, and T = c_v t/H^2 too:
+    #   F/(M eps) = 1 + 1/(3 T) - (2/(pi^2 T)) sum exp(-n^2 pi^2 T)/n^2    Wissa et al. (1971), J. Soil Mech. Found. Div. 97
+    for time, exact in RATIOS.items():
+        end = time / 1.2e-3
+        force, gradient, _ = differentiate(test, "clay.E,clay.permeability,water.viscosity", "adjoint", scene=RATE,
+                                           column="reaction_base_y", mpm_time_end=end, mpm_time_step=end / 60,
+                                           mpm_bc_base_ramp=f"0:0,{end}:1")
+        test.near(f"rate.{time}", gradient[0] * 1e6 / force, exact, relative=2e-3)
+        test.near(f"rate.{time}.water", gradient[1] * 1e-12, -gradient[2] * 1e-3, relative=1e-9)
     # conductivity in place of permeability: the viscosity is in it, the density of the water divides it
     scene = test.folder() / "conductivity.yaml"
     scene.write_text(SCENE.read_text(encoding="utf-8").replace("permeability: 1e-12", "conductivity: 1e-8"), encoding="utf-8")
