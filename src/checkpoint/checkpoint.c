@@ -15,6 +15,7 @@
 #include "grid/partition.h"
 #include "particles/particles.h"
 #include "query/model.h"
+#include "entrainment/entrainment.h"
 #include "runout/runout.h"
 #include "observe/lines.h"
 #include "observe/results.h"
@@ -142,9 +143,9 @@ PetscErrorCode MpmCheckpointKeepOptions(MpmModel model, const MpmOptions *option
 
 /* Metadata, and the files' places. */
 typedef struct {
-  MpmTextFile scene, partition, results, index, grid_index, history, peaks;
+  MpmTextFile scene, partition, results, index, grid_index, history, peaks, bed;
   PetscInt    count;
-  MpmBytes    bytes[7];
+  MpmBytes    bytes[8];
 } Beside;
 
 static PetscErrorCode AddBytes(MpmModel model, const char *name, const MpmTextFile *text, Beside *beside)
@@ -195,6 +196,10 @@ static PetscErrorCode BesideSetUp(MpmModel model, Beside *beside)
     PetscCall(MpmRunoutSave(model, &beside->peaks));
     PetscCall(AddBytes(model, "peaks", &beside->peaks, beside));
   }
+  if (MpmEntrainmentHasChange(model)) {
+    PetscCall(MpmEntrainmentSave(model, &beside->bed));
+    PetscCall(AddBytes(model, "bed", &beside->bed, beside));
+  }
   PetscCall(AddBytes(model, "scene", &beside->scene, beside));
   PetscCall(AddBytes(model, "partition", &beside->partition, beside));
   PetscCall(AddBytes(model, "history", &beside->history, beside));
@@ -210,6 +215,7 @@ static PetscErrorCode BesideDestroy(Beside *beside)
   PetscCall(MpmTextFileDestroy(&beside->scene));
   PetscCall(MpmTextFileDestroy(&beside->partition));
   PetscCall(MpmTextFileDestroy(&beside->peaks));
+  PetscCall(MpmTextFileDestroy(&beside->bed));
   PetscCall(MpmTextFileDestroy(&beside->results));
   PetscCall(MpmTextFileDestroy(&beside->index));
   PetscCall(MpmTextFileDestroy(&beside->grid_index));

@@ -17,6 +17,7 @@
 #include "schedule/rescue.h"
 #include "schedule/schedule.h"
 #include "schedule/stage.h"
+#include "entrainment/entrainment.h"
 #include "runout/runout.h"
 #include "observe/results.h"
 #include "checkpoint/checkpoint.h"
@@ -131,6 +132,13 @@ static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
     PetscCall(ReadBytes(model, group, "peaks", PETSC_FALSE, &peaks));
     PetscCall(MpmRunoutLoad(model, &peaks));
     PetscCall(MpmTextFileDestroy(&peaks));
+  }
+  if (MpmEntrainmentHasChange(model)) {
+    MpmTextFile bed = MPM_TEXT_FILE_EMPTY;
+
+    PetscCall(ReadBytes(model, group, "bed", PETSC_FALSE, &bed));
+    PetscCall(MpmEntrainmentLoad(model, &bed));
+    PetscCall(MpmTextFileDestroy(&bed));
   }
   if (group >= 0) (void)H5Gclose(group);
   if (file >= 0) (void)H5Fclose(file);

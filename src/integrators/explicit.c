@@ -210,7 +210,11 @@ static PetscErrorCode Accelerate(MpmModel model, PetscReal kick, const PetscReal
   }
   MpmExplicitPrescribe(model, dynamics->v_new);
   if (MpmTermsResistAny(model->disc.terms)) {
+    PetscReal *resisted = dynamics->a_rest; /* change of the velocities, for FindSupports() */
+
+    for (PetscInt k = 0; k < count; k++) resisted[k] = -dynamics->v_new[k];
     PetscCall(MpmTermsResist(model->disc.terms, model->disc.sum, mass, kick, dynamics->v_new));
+    for (PetscInt k = 0; k < count; k++) resisted[k] += dynamics->v_new[k];
     MpmExplicitPrescribe(model, dynamics->v_new);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -250,6 +254,7 @@ static void FindSupports(MpmModel model, PetscReal kick)
   const MpmConstraints *constraints = model->disc.constraints;
   const MpmDynamics    *dynamics    = model->state.scheme.dynamics;
   const PetscInt        dim         = model->disc.dim;
+  const PetscReal      *resisted    = MpmTermsResistAny(model->disc.terms) ? dynamics->a_rest : NULL;
 
   for (PetscInt i = 0; i < model->disc.space->owned; i++) {
     PetscReal *f   = &model->disc.nodal.residual[i * dim];
@@ -259,7 +264,8 @@ static void FindSupports(MpmModel model, PetscReal kick)
       any = (PetscBool)(any || !MpmConstraintsFree(constraints, i * dim + a));
     for (PetscInt a = 0; a < dim; a++)
       f[a] = any ? MovedMass(model, kick, i * dim + a) / kick *
-                       (dynamics->v_new[i * dim + a] - dynamics->v_old[i * dim + a]) -
+                       (dynamics->v_new[i * dim + a] - dynamics->v_old[i * dim + a] -
+                        (resisted ? resisted[i * dim + a] : 0.)) -
                      f[a]
                  : 0.;
   }

@@ -138,6 +138,7 @@ PetscErrorCode MpmBedDestroy(MpmBed *bed)
   PetscCall(PetscFree(bed->project));
   PetscCall(PetscFree(bed->missing));
   PetscCall(MpmMapDestroy(&bed->map));
+  PetscCall(MpmMapDestroy(&bed->change));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -165,6 +166,8 @@ void MpmBedPatchAt(const MpmBed *bed, const PetscReal x[], MpmBedPatch *patch)
 
 PetscReal MpmBedHeight(const MpmBed *bed, const PetscReal x[])
 {
-  if (bed->map.value) return MpmMapAt(&bed->map, x);
-  return bed->plane[0] + bed->plane[1] * x[0] + bed->plane[2] * x[1];
+  const PetscReal change = bed->change.value ? MpmMapAt(&bed->change, x) : 0.;
+
+  if (bed->map.value) return MpmMapAt(&bed->map, x) + change;
+  return bed->plane[0] + bed->plane[1] * x[0] + bed->plane[2] * x[1] + change;
 }

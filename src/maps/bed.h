@@ -14,7 +14,8 @@ typedef enum { MPM_BED_STRAIGHT, MPM_BED_PATH, MPM_BED_PRESSURE } MpmBedCurvatur
 /* Height z = plane[0] + plane[1] x + plane[2] y, or bilinear between the centres of a map's pixels. */
 struct MpmBed {
   PetscReal       plane[3];
-  MpmMap          map; /* without pixels: the plane counts */
+  MpmMap          map;    /* without pixels: the plane counts */
+  MpmMap          change; /* height added since the start, m, at the grid's nodes; without pixels: none */
   char           *file, *project;
   MpmBedCurvature curvature;
   PetscBool       normal;  /* lengths, depth and pressure count along and normal to the bed */

@@ -26,6 +26,7 @@
 #include "integrators/sdirk.h"
 #include "schedule/stage.h"
 #include "observe/results.h"
+#include "entrainment/entrainment.h"
 #include "runout/runout.h"
 #include "sensitivity/gradient.h"
 #include "checkpoint/checkpoint.h"
@@ -218,6 +219,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
   PetscCall(MpmLaboratoryDestroy(&model->laboratory));
   PetscCall(MpmSolverDestroy(&model->solver));
   PetscCall(MpmRunoutDestroy(model));
+  PetscCall(MpmEntrainmentDestroy(model));
   PetscCall(MpmTerrainDestroy(model));
   PetscCall(MpmDiscretizationDestroy(&model->disc));
   PetscCall(MpmResultsDestroy(model));
@@ -273,6 +275,7 @@ static PetscErrorCode SetUp(MpmModel model)
                                    model->scene.pairs, model->state.placements, model->state.particles->state_size));
   PetscCall(MpmPointsCreate(model));
   PetscCall(MpmSurfacesAdd(model));
+  PetscCall(MpmEntrainmentAddTerm(model));
   PetscCall(MpmDiscretizationAddTerms(&model->disc, model->scene.terms));
   model->solver.cache.minimisation.on = MpmStagesMinimise(model);
   PetscCall(MpmCheckpointKeepOptions(model, &options));

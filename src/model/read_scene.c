@@ -39,6 +39,7 @@
 #include "schedule/schedule.h"
 #include "schedule/settle.h"
 #include "schedule/stage.h"
+#include "entrainment/entrainment.h"
 #include "runout/runout.h"
 #include "observe/lines.h"
 #include "observe/results.h"
@@ -475,6 +476,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(MpmStagesRead(model, options));
   PetscCall(CheckAxial(model));
   PetscCall(MpmTerrainCheck(model));
+  PetscCall(MpmEntrainmentRead(model, options));
   PetscCall(MpmRunoutRead(model, options));
   PetscCall(MpmDynamicsRead(model, options));
   PetscCall(MpmStabilizationSettle(model));

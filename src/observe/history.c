@@ -15,6 +15,7 @@
 #include "integrators/relaxation.h"
 #include "schedule/reduction.h"
 #include "schedule/stage.h"
+#include "entrainment/entrainment.h"
 #include "runout/runout.h"
 #include "observe/history.h"
 #include "observe/lines.h"
@@ -86,14 +87,15 @@ static PetscErrorCode AddLoad(MpmModel model, MpmColumns *columns)
 }
 
 /* Parts of the program with columns, in the order of these. */
-static PetscErrorCode (*const parts[])(MpmModel, MpmColumns *) = {MpmStepAddColumns,       AddLoad,
-                                                                  MpmReactionsAddColumns,  MpmOutflowAddColumns,
-                                                                  MpmTracksAddColumns,     MpmLinesAddColumns,
-                                                                  MpmMovingGridAddColumns, MpmStagesAddColumns,
-                                                                  MpmReductionAddColumns,  MpmConsolidationAddColumns,
-                                                                  MpmTracksAddVelocities,  MpmEnergyAddColumns,
-                                                                  MpmRelaxationAddColumns, MpmRunoutAddColumns,
-                                                                  MpmDamageAddColumns,     MpmSignatureAddColumns};
+static PetscErrorCode (*const parts[])(MpmModel, MpmColumns *) = {MpmStepAddColumns,        AddLoad,
+                                                                  MpmReactionsAddColumns,   MpmOutflowAddColumns,
+                                                                  MpmTracksAddColumns,      MpmLinesAddColumns,
+                                                                  MpmMovingGridAddColumns,  MpmStagesAddColumns,
+                                                                  MpmReductionAddColumns,   MpmConsolidationAddColumns,
+                                                                  MpmTracksAddVelocities,   MpmEnergyAddColumns,
+                                                                  MpmRelaxationAddColumns,  MpmRunoutAddColumns,
+                                                                  MpmEntrainmentAddColumns, MpmDamageAddColumns,
+                                                                  MpmSignatureAddColumns};
 
 /* Columns of the library's caller follow the scene's. */
 static PetscErrorCode AddCallers(MpmModel model, MpmColumns *columns)

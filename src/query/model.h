@@ -47,6 +47,8 @@ typedef struct MpmGradient MpmGradient;
 typedef struct MpmEnsemble MpmEnsemble;
 /* Maps and gauges of flow over terrain (runout/runout.h) */
 typedef struct MpmRunout MpmRunout;
+/* Its mass from the bed and onto it (entrainment/entrainment.h) */
+typedef struct MpmEntrainment MpmEntrainment;
 
 struct _p_MpmModel {
   MPI_Comm          comm;
@@ -60,8 +62,9 @@ struct _p_MpmModel {
   MpmDiscretization disc;
   MpmSolver         solver;
   MpmResults       *results;
-  MpmLaboratory    *laboratory; /* NULL: the scene has a grid and bodies */
-  MpmGradient      *gradient;   /* NULL: no derivatives are asked for */
-  MpmEnsemble      *ensemble;   /* NULL: the scene itself is run */
-  MpmRunout        *runout;     /* NULL: no such results are asked for */
+  MpmLaboratory    *laboratory;  /* NULL: the scene has a grid and bodies */
+  MpmGradient      *gradient;    /* NULL: no derivatives are asked for */
+  MpmEnsemble      *ensemble;    /* NULL: the scene itself is run */
+  MpmRunout        *runout;      /* NULL: no such results are asked for */
+  MpmEntrainment   *entrainment; /* NULL: points keep their mass */
 };

@@ -141,20 +141,23 @@ static PetscErrorCode AddField(const MpmGrid *grid, const char name[], PetscBool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The bed; and the last band of a vertical depth once more, normal to the bed. */
+/* The bed, and its change where there is erosion or deposition. */
 static PetscErrorCode AddBed(const MpmBed *bed, Bands *bands)
 {
-  PetscReal *value, x[2];
+  PetscReal *value, *change = NULL, x[2];
 
   PetscFunctionBeginUser;
   PetscCall(AddBand(bands, "bed", &value));
+  if (bed->change.value) PetscCall(AddBand(bands, "bed_change", &change));
   for (PetscInt k = 0; k < bands->pixels; k++) {
     Centre(&bands->like, k, x);
     value[k] = MpmBedHeight(bed, x);
+    if (change) change[k] = MpmMapAt(&bed->change, x);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The last band, a vertical depth, once more, normal to the bed. */
 static PetscErrorCode AddNormal(const MpmBed *bed, const char name[], Bands *bands)
 {
   const PetscReal *depth = bands->value[bands->count - 1];

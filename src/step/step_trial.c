@@ -15,6 +15,7 @@
 #include "solve/iterate.h"
 #include "query/model.h"
 #include "query/query.h"
+#include "entrainment/entrainment.h"
 #include "step/energy.h"
 #include "step/moving_grid.h"
 #include "step/step.h"
@@ -250,16 +251,33 @@ void MpmStepClip(MpmModel model)
   MPM_BY_DIM(model->disc.dim, Clip, model->disc.grid, points->count, points->x);
 }
 
+/* Removes points that have become part of the bed. */
+static PetscErrorCode RemoveEmpty(MpmModel model)
+{
+  PetscInt here, *empty, count;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmEntrainmentFindEmpty(model, &here, &empty, &count));
+  if (count) {
+    PetscCall(MpmParticlesRemoveAt(model->state.particles, here, empty));
+    PetscCall(MpmSpaceRemovePoints(model->disc.space, here, empty));
+  }
+  PetscCall(PetscFree(empty));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmStepRemoveGone(MpmModel model)
 {
   PetscInt here, *outside, gone;
 
   PetscFunctionBeginUser;
+  PetscCall(RemoveEmpty(model));
   if (!MayLeave(model)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesFindOutside(model->state.particles, model->disc.grid, model->scene.deformation.bed, &here,
                                     &outside, &gone));
   if (gone) {
     PetscCall(MpmEnergyMark(model));
+    PetscCall(MpmEntrainmentLeave(model, here, outside));
     PetscCall(MpmParticlesRemoveAt(model->state.particles, here, outside));
     PetscCall(
       MpmSpaceRemovePoints(model->disc.space, here, outside)); /* the step's rows and grid are still summed over it */

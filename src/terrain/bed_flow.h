@@ -60,6 +60,11 @@ typedef struct {
   MpmMap   map;
 } MpmBedParameter;
 
+/* Flow on the bed at a node: shear stress of the law of the bed, Pa, and speed along the bed, m/s. */
+typedef struct {
+  PetscReal stress, speed;
+} MpmBedShear;
+
 /* Data of the term for a step. */
 #define MPM_BED_PARAMETERS 16 /* most of a law */
 struct MpmBedFlow {
@@ -69,7 +74,9 @@ struct MpmBedFlow {
   MpmOnBed        *point;
   PetscReal       *height; /* of the bed at the local nodes, m */
   PetscReal       *sums, *shares, *level, *steep, *failed, *force;
-  PetscInt         mapped; /* parameters by map */
+  PetscReal       *friction; /* force of the resistance in the last increment, N, two a node */
+  MpmBedShear     *shear;    /* in the last increment; NULL: nobody asks for it */
+  PetscInt         mapped;   /* parameters by map */
   MpmBedParameter *parameter;
   PetscReal       *own; /* [material*MPM_BED_PARAMETERS + place] at a node; NULL: none is by map */
 };
@@ -92,6 +99,9 @@ void MpmBedFindMeans(const MpmSum *sum, MpmBedFlow *flow);
 void MpmBedFindLevels(const MpmSum *sum, MpmBedFlow *flow);
 /* Velocities of the nodes after an increment over `kick`, s, with the resistance of the bed (bed_resistance.c). */
 PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal kick, PetscReal velocity[]);
+/* Work of depth, slope and resistance in an increment. */
+PetscErrorCode MpmBedWork(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
+                          MpmTermWork *work);
 /* Takes energy from oscillations of affine velocities at a step's end (bed_calm.c). */
 PetscErrorCode MpmBedCalm(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 /* Pressure of a point's depth along the bed over that of a fluid; 1 without internal friction (bed_earth.c). */

@@ -31,6 +31,8 @@ PetscErrorCode MpmBedFlowDestroy(MpmBedFlow **flow)
   PetscCall(PetscFree((*flow)->own));
   PetscCall(PetscFree7((*flow)->height, (*flow)->sums, (*flow)->shares, (*flow)->level, (*flow)->steep, (*flow)->failed,
                        (*flow)->force));
+  PetscCall(PetscFree((*flow)->friction));
+  PetscCall(PetscFree((*flow)->shear));
   PetscCall(PetscFree(*flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -53,6 +55,8 @@ static PetscErrorCode Resize(const MpmSum *sum, MpmBedFlow *flow)
                            (flow->node_room * shares), &flow->shares, (flow->node_room * MPM_LEVEL_COUNT), &flow->level,
                            (flow->node_room * MPM_STEEP_COUNT), &flow->steep, flow->node_room, &flow->failed,
                            (flow->node_room * sum->block), &flow->force));
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(flow->node_room * sum->block), &flow->friction));
+    if (flow->shear) PetscCall(PetscRealloc(sizeof(*flow->shear) * (size_t)flow->node_room, &flow->shear));
   }
   PetscCall(PetscArrayzero(flow->sums, nodes * MPM_BED_SUMS));
   PetscCall(PetscArrayzero(flow->shares, nodes * shares));
@@ -262,11 +266,8 @@ static PetscErrorCode Push(void *ctx, const MpmSum *sum, PetscReal force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool Idle(const void *ctx)
-{
-  (void)ctx;
-  return PETSC_TRUE;
-}
-
-const MpmTerm MpmTermBed = {
-  .name = "bed", .idle = Idle, .motion.push = Push, .motion.resist = MpmBedResist, .step.commit = MpmBedCalm};
+const MpmTerm MpmTermBed = {.name          = "bed",
+                            .energy.work   = MpmBedWork,
+                            .motion.push   = Push,
+                            .motion.resist = MpmBedResist,
+                            .step.commit   = MpmBedCalm};

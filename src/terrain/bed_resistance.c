@@ -55,6 +55,18 @@ static PetscReal Resistance(const Node *node, PetscReal speed)
   return force;
 }
 
+/* Shear stress at a speed, the mean over the areas of the materials, Pa. */
+static PetscReal Shear(const Node *node, PetscReal speed)
+{
+  const PetscInt materials = node->flow->materials;
+  PetscReal      area      = 0.;
+
+  for (PetscInt k = 0; k < materials; k++)
+    area += node->flow->shares[(node->node * materials + k) * MPM_BED_SHARES + MPM_BED_OVER_DEPTH] /
+            node->sum->materials[k].parameter[MPM_BASAL_DENSITY];
+  return Resistance(node, speed) / (area * node->part);
+}
+
 /* The root where the resistance is F(0) and a part that goes with the speed squared: all of it, of most laws. */
 static PetscReal SquareRoot(PetscReal mass, PetscReal kick, PetscReal speed, PetscReal at_rest, PetscReal at_speed)
 {
@@ -152,10 +164,13 @@ PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[]
   MpmBedFlow *flow = ctx;
 
   PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(flow->friction, sum->space->local * sum->block));
+  if (flow->shear) PetscCall(PetscArrayzero(flow->shear, sum->space->local));
   for (PetscInt i = 0; i < sum->space->local; i++) {
     const PetscReal *sums = &flow->sums[i * MPM_BED_SUMS];
     PetscReal *v = &velocity[i * sum->block], speed = PetscSqrtReal(v[0] * v[0] + v[1] * v[1]), slope[2], along, to;
-    Node       node = {.flow = flow, .sum = sum, .node = i, .cosine2 = 1., .along = 1., .part = 1.};
+    const PetscReal before[2] = {v[0], v[1]};
+    Node            node      = {.flow = flow, .sum = sum, .node = i, .cosine2 = 1., .along = 1., .part = 1.};
 
     if (!(mass[i] > 0.) || !(speed > 0.)) continue;
     if (flow->bed->normal) {
@@ -169,7 +184,25 @@ PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[]
     }
     if (flow->own) TakeParameters(sum, i, flow);
     to = Solve(&node, mass[i], kick, speed);
-    for (PetscInt a = 0; a < 2; a++) v[a] = to == 0. ? 0. : v[a] * to / speed;
+    if (flow->shear && to > 0.) flow->shear[i] = (MpmBedShear){Shear(&node, to), node.along * to};
+    for (PetscInt a = 0; a < 2; a++) {
+      v[a]                               = to == 0. ? 0. : v[a] * to / speed;
+      flow->friction[i * sum->block + a] = mass[i] * (v[a] - before[a]) / kick;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBedWork(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
+                          MpmTermWork *work)
+{
+  const MpmBedFlow *flow = ctx;
+
+  (void)at;
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < sum->space->owned * sum->block; k++) {
+    work->external += flow->force[k] * u[k];
+    work->dissipated -= flow->friction[k] * u[k];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
