@@ -20,6 +20,7 @@ typedef struct {
   PetscReal     strength;                  /* in shear, of the material there at the step's start, Pa; or infinite */
   PetscBool     foreign; /* some of its facets are pieces of other ranks, which add their forces there */
   PetscBool     round;   /* a facet on a round surface, which touches by itself */
+  PetscBool     flows;   /* of material that flows: stopped at the surface (flow_patch.c) */
   PetscBool     direct;  /* in an explicit step: no equations are solved */
   PetscBool     broken;  /* of a bilateral boundary, which has let go: it pushes only */
   PetscBool     held;    /* touches whatever the law says (contact_states.c), and sticks, or */
@@ -70,6 +71,13 @@ PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal ma
 */
 void MpmBoundaryAdvance(const MpmContacts *contacts, PetscInt boundary, PetscInt block, const PetscReal u[],
                         MpmPlacement *placement);
+
+/*
+  Patches of material that flows (flow_patch.c). Gap: from that at the step's end without contact the one by which the
+  force pushes, and whether it does. Limit: their stiffness, collective.
+*/
+PetscBool      MpmFlowGap(const MpmContacts *contacts, const MpmPatch *patch, PetscReal *gap);
+PetscErrorCode MpmFlowLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
 
 /* Answer of a patch to displacements of its facets, relative to the body where its boundary is free. */
 typedef struct {

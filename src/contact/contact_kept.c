@@ -223,7 +223,7 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
       PetscCall(MpmPointsClear(sum->points->count, slip));
       for (PetscInt k = 0; k < contacts->patch_count; k++)
         for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
-          if (answers[k].active)
+          if (answers[k].active && !contacts->patch[k].flows)
             Keep(&contacts->facets.at[f], answers[k].slip[a] / MpmContactsGiving(contacts, b),
                  slip); /* a corner may not touch as its faces do */
       PetscCall(MpmParticlesRestoreField(particles, &slip));

@@ -138,7 +138,7 @@ static void Distances(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     PetscReal       at[MPM_MAX_DIM] = {0., 0., 0.}, foot[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < dim; a++) at[a] = facet->place[a] + work->value[f - patch->begin][a];
-    if (!facet->key.side) {
+    if (!facet->key.side && !facet->key.flows) {
       MpmBoundaryDistance(boundary, after, at, surface);
       continue;
     }
@@ -186,12 +186,14 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
 
     for (PetscInt a = 0; a < dim && MpmFacetsBody(&contacts->facets, patch->boundary); a++)
       surface->distance += surface->normal[a] * (value[a] - (at[a] - facet->place[a]));
-    work->beyond[f - patch->begin] = Beyond(contacts, holds, surface->distance - facet->touches - facet->turn);
+    work->beyond[f - patch->begin] =
+      patch->flows ? 0. : Beyond(contacts, holds, surface->distance - facet->touches - facet->turn);
     if (work->beyond[f - patch->begin] != 0.) answer->any = PETSC_TRUE;
     answer->gap += share * (surface->distance - facet->touches - facet->turn);
   }
   answer->gap -= patch->shift;
-  if (!holds) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->facets.touch);
+  if (patch->flows) answer->active = MpmFlowGap(contacts, patch, &answer->gap);
+  else if (!holds) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->facets.touch);
   if (!answer->active) {
     answer->gap = 0.;
     return;
@@ -314,6 +316,7 @@ PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal ma
   const PetscReal share    = PetscPowRealInt(0.5, sum->space->dim - 1);
 
   PetscFunctionBeginUser;
+  PetscCall(MpmFlowLimit(contacts, sum, mass, dt));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch       *patch   = &contacts->patch[k];
     const PetscReal inverse = InverseMass(contacts, sum, patch, mass);
@@ -322,7 +325,7 @@ PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal ma
                                  MpmTurn(sum->points->F_size, contacts->facets.at[patch->begin].place[0])
                                 : patch->area;
 
-    if (!(area > 0.) || !(inverse > 0.)) continue;
+    if (patch->flows || !(area > 0.) || !(inverse > 0.)) continue;
     patch->direct    = PETSC_TRUE;
     patch->stiffness = PetscMin(patch->stiffness, share / (inverse * dt * dt * area));
   }

@@ -64,6 +64,7 @@ static int CompareFacets(const void *a, const void *b)
   if (f->key.corner != g->key.corner) return f->key.corner < g->key.corner ? -1 : 1;
   if (f->key.side != g->key.side) return f->key.side < g->key.side ? -1 : 1;
   if (f->key.round != g->key.round) return f->key.round < g->key.round ? -1 : 1;
+  if (f->key.flows != g->key.flows) return f->key.flows < g->key.flows ? -1 : 1;
   if (f->key.single != g->key.single) return f->key.single < g->key.single ? -1 : 1;
   if (f->point != g->point) return f->point < g->point ? -1 : 1;
   return f->key.slice < g->key.slice ? -1 : f->key.slice > g->key.slice;
@@ -78,7 +79,8 @@ static PetscBool AreOfOnePoint(const MpmFacet *f, const MpmFacet *g)
 static PetscBool InOnePatch(const MpmFacet *f, const MpmFacet *g)
 {
   return (PetscBool)(f->boundary == g->boundary && f->key.cell == g->key.cell && f->key.corner == g->key.corner &&
-                     f->key.side == g->key.side && !f->key.round && (!f->key.single || AreOfOnePoint(f, g)));
+                     f->key.side == g->key.side && f->key.flows == g->key.flows && !f->key.round &&
+                     (!f->key.single || AreOfOnePoint(f, g)));
 }
 
 /* Widens a box of nodes to hold a group's; an empty box has no nodes. */
@@ -134,6 +136,7 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
                                                           .begin    = k,
                                                           .box      = box_begin + contacts->patch_count,
                                                           .round    = (PetscBool)facet->key.round,
+                                                          .flows    = (PetscBool)facet->key.flows,
                                                           .strength = PETSC_INFINITY};
       contacts->patch_count++;
     }

@@ -1,6 +1,7 @@
 /*
   The facets of a step: faces of points (face_facets.c), slices of those at an edge (edge_facets.c), places on round
-  surfaces (round_facets.c), and pieces of a boundary's own surface (surface_shares.c, surface_pieces.c).
+  surfaces (round_facets.c), points of material that flows (flow_facets.c), and pieces of a boundary's own surface
+  (surface_shares.c, surface_pieces.c).
 */
 #include "geometry/geometry.h"
 #include "grid/grid.h"
@@ -45,11 +46,12 @@ PetscErrorCode MpmFacetsBegin(MpmFacets *facets, const MpmGrid *grid, const MpmP
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode FacetsOfBoundary(MpmFacets *facets, PetscInt b, const MpmGrid *grid, const MpmSpace *space,
+static PetscErrorCode FacetsOfBoundary(MpmFacets *facets, PetscInt b, const MpmRules *rules, const MpmSpace *space,
                                        const MpmPoints *points)
 {
-  const PetscInt dim = grid->dim;
-  PetscBool      far;
+  const MpmGrid *grid = rules->grid;
+  const PetscInt dim  = grid->dim;
+  PetscBool      far, flows = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   PetscCall(MpmFacetsFindDrawn(facets, b, grid, points));
@@ -57,6 +59,8 @@ static PetscErrorCode FacetsOfBoundary(MpmFacets *facets, PetscInt b, const MpmG
     PetscCall(MpmFacetsAddShares(facets, b, grid, space, points));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(MpmFacetsAddFlowing(facets, b, rules, points, space, &flows));
+  if (flows) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmFaceBoxesFind(facets, b, grid, points, &far));
   if (far) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(facets->boxes->search, 0, 0, 0, 0));
@@ -66,7 +70,7 @@ static PetscErrorCode FacetsOfBoundary(MpmFacets *facets, PetscInt b, const MpmG
       MpmFacet       facet = {.boundary = b, .point = p, .group = g};
       PetscReal      margin;
 
-      if (!points->domain.faces[p] || MpmFaceBoxIsFar(facets, b, p) ||
+      if (!points->domain.faces[p] || MpmFaceBoxIsFar(facets, b, p) || MpmFacetsFlow(rules, points, p) ||
           !MpmRegionContains(facets->boundaries[b].region, &points->origin[p * dim]))
         continue;
       margin = MpmFacetsMargin(facets, grid, b, &points->x[p * dim]);
@@ -83,8 +87,7 @@ PetscErrorCode MpmFacetsFind(MpmFacets *facets, const MpmRules *rules, const Mpm
 {
   PetscFunctionBeginUser;
   facets->count = 0;
-  for (PetscInt b = 0; b < facets->boundary_count; b++)
-    PetscCall(FacetsOfBoundary(facets, b, rules->grid, space, points));
+  for (PetscInt b = 0; b < facets->boundary_count; b++) PetscCall(FacetsOfBoundary(facets, b, rules, space, points));
   PetscCall(MpmPiecesSpread(facets, rules, points, space));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

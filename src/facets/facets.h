@@ -103,6 +103,14 @@ PetscErrorCode MpmFacetsAddRound(MpmFacets *facets, PetscReal margin, const MpmP
 PetscErrorCode MpmFacetsTurn(MpmFacets *facets, const MpmSum *sum, const PetscReal v[], PetscReal part);
 
 /*
+  Points of material that flows, in explicit steps (flow_facets.c). Flow: true of such a point, which has no other
+  facets. AddFlowing: those that touch in this step; `all`: all materials flow.
+*/
+PetscBool      MpmFacetsFlow(const MpmRules *rules, const MpmPoints *points, PetscInt p);
+PetscErrorCode MpmFacetsAddFlowing(MpmFacets *facets, PetscInt boundary, const MpmRules *rules, const MpmPoints *points,
+                                   const MpmSpace *space, PetscBool *all);
+
+/*
   Faces near an edge of the boundary (edge_facets.c), in cells of sizes h, m; `sides`: the vectors of half of a face's
   dim - 1 sides. AtEdge: marks a single facet, and returns the number of slices of its face, or 0. SlicePlace: from the
   face's middle to the slice's.

@@ -16,6 +16,7 @@ typedef struct {
   PetscInt   round;  /* on the round surface that cut its body's lattice (round_facets.c) */
   PetscInt   single; /* a patch by itself: an edge of the boundary is near (edge_facets.c) */
   PetscInt   slice;  /* 0, or 1 + its index, of a slice of a face that meets an edge */
+  PetscInt   flows;  /* a point of material that flows (flow_facets.c) */
 } MpmFacetKey;
 
 /* A face of a point's domain that bounds the material and may touch a boundary in this step. */
