@@ -16,7 +16,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import ROOT, Test, call  # noqa: E402
+from talus_test import FULL, ROOT, Test, call  # noqa: E402
 import make_site  # noqa: E402  (of scripts/)
 
 # Options whose words theory.md has, each in backquotes
@@ -26,8 +26,6 @@ COVERED = ("kinematics", "shape", "shape_edge", "material_NAME_type", "contact_N
 # Lists of a scene and groups of options that theory.md has, by their names
 GROUPS = ("stabilization_", "materials", "surfaces", "boundaries", "contacts", "motions", "sections", "terms")
 PICTURE_BYTES = 150000
-FULL = "--full" in sys.argv
-sys.argv = [word for word in sys.argv if word != "--full"]
 
 
 def check_site(test):

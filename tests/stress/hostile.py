@@ -149,8 +149,6 @@ class Hostile(Test):
     """A test of hostile scenes: each run has `limit` seconds; `full` is true when the command line says --full."""
 
     def __init__(self, limit):
-        self.full = "--full" in sys.argv
-        sys.argv = [word for word in sys.argv if word != "--full"]
         self.limit = limit
         super().__init__()
 

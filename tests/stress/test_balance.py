@@ -13,7 +13,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from hostile import Hostile  # noqa: E402
-from talus_test import ROOT, difference  # noqa: E402
+from talus_test import FULL, ROOT, difference  # noqa: E402
 
 LIMIT = 240.0  # s, for one run
 MOST = 1.3  # points on the fullest rank over their mean
@@ -78,7 +78,7 @@ def left_the_grid(test):
 with Hostile(LIMIT) as test:
     diagonal, ball = CARRIED.format(steps=70, **DIAGONAL), CARRIED.format(steps=33, **BALL)
     alone = test.ends("heap.1_rank", HEAP, mpm_quiet=None, mpm_output_every=120)
-    for ranks in (2, 3, 4, 6, 8) if test.full else (4,):
+    for ranks in (2, 3, 4, 6, 8) if FULL else (4,):
         heap = balanced(test, "heap", HEAP, ranks, mpm_output_every=120)
         if heap.completed and alone.completed:
             for field in ("displacement", "stress"):

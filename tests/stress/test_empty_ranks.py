@@ -12,7 +12,7 @@ import yaml
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from hostile import Ended, Hostile  # noqa: E402
-from talus_test import ROOT  # noqa: E402
+from talus_test import FULL, ROOT  # noqa: E402
 
 sys.path.insert(0, str(ROOT / "scripts"))
 import ranks  # noqa: E402  (the folder has to be known first)
@@ -315,7 +315,7 @@ with Hostile(LIMIT) as test:
         if ONLY and name not in ONLY:
             continue
         alone = run(test, name, 1)
-        for number in COUNTS if test.full else COUNTS[place % 3:place % 3 + 1]:
+        for number in COUNTS if FULL else COUNTS[place % 3:place % 3 + 1]:
             several = alone and run(test, name, number)
             if several:
                 compare(test, f"{name}.{number}", alone, several)

@@ -18,6 +18,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from hostile import Hostile  # noqa: E402
+from talus_test import FULL  # noqa: E402
 
 LIMIT = 120.0  # s, for one run
 E, LENGTH = 1e6, 2.0  # Pa, m
@@ -157,7 +158,7 @@ with Hostile(LIMIT) as test:
         test.check("hencky_beyond_its_limit.load", run.last("load") * 1.05, 0.95, 1.0)
     pull(test, "3d.to_3", "neo_hookean", 0.0, 3.0, False, scene=SOLID, mpm_body_bar_points_per_cell="2,2,4")
     pull(test, "3d.to_a_tenth", "neo_hookean", 0.0, 0.1, False, scene=SOLID)
-    if test.full:
+    if FULL:
         for refine, ranks in ((2, 1), (2, 2), (4, 2)):
             for law in ("hencky", "neo_hookean"):
                 where = f"{law}.h_over_{refine}.{ranks}_ranks"

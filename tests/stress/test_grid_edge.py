@@ -14,6 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from hostile import Hostile  # noqa: E402
+from talus_test import FULL  # noqa: E402
 
 LIMIT = 60.0  # s, for one run
 DENSITY, GRAVITY, HEIGHT, NU = 1000.0, 10.0, 4.0, 0.3
@@ -97,7 +98,7 @@ def leaves(test, label, scene, **options):
 
 
 with Hostile(LIMIT) as test:
-    refine = 4 if test.full else 1
+    refine = 4 if FULL else 1
     for shape in SHAPES:
         # one stress a cell: at most half a cell off; the points of `linear` are a quarter of a cell from its middle
         held(test, f"held.{shape}", refine, 0.5, mpm_shape=shape)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from hostile import Hostile  # noqa: E402
-from talus_test import example  # noqa: E402
+from talus_test import FULL, example  # noqa: E402
 
 LIMIT = 90.0  # s, for one run
 GRAVITY = 10.0  # m/s2
@@ -87,9 +87,9 @@ FBAR = {"mpm_stabilization_fbar": "true"}
 
 with Hostile(LIMIT) as test:
     fbar = test.takes(example("bar_elastic"), **FBAR)
-    refinements = (1, 2) if test.full else (1,)
+    refinements = (1, 2) if FULL else (1,)
     for name, bodies in BODIES.items():
-        for shape in SHAPES if test.full else ("linear", "gimp"):
+        for shape in SHAPES if FULL else ("linear", "gimp"):
             for refine in refinements:
                 stands(test, f"{name}.{shape}.h_over_{refine}", bodies, or_gives_up=shape not in ("linear", "gimp"),
                        mpm_shape=shape, mpm_grid_refine=refine)
@@ -98,9 +98,9 @@ with Hostile(LIMIT) as test:
         if fbar:
             stands(test, f"{name}.fbar", bodies, **FBAR)
             stands(test, f"{name}.soft.fbar", bodies, mpm_material_soil_E=1e5, **FBAR)
-        for solver in ("amg", "boomeramg") if test.full else ("amg",):
+        for solver in ("amg", "boomeramg") if FULL else ("amg",):
             stands(test, f"{name}.{solver}", bodies, mpm_solver=solver)
-        if test.full or name in ("slope", "patchwork"):
+        if FULL or name in ("slope", "patchwork"):
             stands(test, f"{name}.2_ranks", bodies, ranks=2)
             stands(test, f"{name}.soft.2_ranks", bodies, ranks=2, mpm_material_soil_E=1e5)
     stands(test, "slope.gimp_bspline2", BODIES["slope"], mpm_shape="gimp_bspline2")

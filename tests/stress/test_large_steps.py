@@ -12,7 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from hostile import Hostile  # noqa: E402
-from talus_test import example  # noqa: E402
+from talus_test import FULL, example  # noqa: E402
 
 LIMIT = 60.0  # s, for one run
 
@@ -29,7 +29,7 @@ FBAR = {"mpm_stabilization_fbar": "true"}
 with Hostile(LIMIT) as test:
     variants = {"": {}, ".fbar": FBAR} if test.takes(example("bar_elastic"), **FBAR) else {"": {}}
     for name, column, steps, reach in CASES:
-        for refine, ranks in ((1, 1), (1, 2), (2, 1), (2, 2)) if test.full else ((1, 1),):
+        for refine, ranks in ((1, 1), (1, 2), (2, 1), (2, 2)) if FULL else ((1, 1),):
             where = name if (refine, ranks) == (1, 1) else f"{name}.h_over_{refine}.{ranks}_ranks"
             options = {"mpm_quiet": None, "mpm_grid_refine": refine, "ranks": ranks}
             usual = test.ends(f"{where}.usual_step", example(name), **options)

@@ -13,12 +13,9 @@ import time
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parent.parent)]
-FULL = "--full" in sys.argv
-if FULL:
-    sys.argv.remove("--full")
 
 from runs import Background, differences  # noqa: E402
-from talus_test import Results, Test, call, example  # noqa: E402
+from talus_test import FULL, Results, Test, call, example  # noqa: E402
 from results import ResultsError  # noqa: E402
 
 # Few Newton iterations are allowed in the first, so that steps are cut; the ghost penalty comes on when one fails.

@@ -20,6 +20,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from hostile import Hostile  # noqa: E402
+from talus_test import FULL  # noqa: E402
 
 LIMIT = 120.0  # s, for one run
 PHASE = 0.37  # cells a step
@@ -115,11 +116,11 @@ def push(test, label, steps, traction, **options):
 
 
 with Hostile(LIMIT) as test:
-    steps = 200 if test.full else 40
-    for shape in SHAPES if test.full else ("linear", "gimp", "gimp_bspline2"):
+    steps = 200 if FULL else 40
+    for shape in SHAPES if FULL else ("linear", "gimp", "gimp_bspline2"):
         carry(test, f"carried.{shape}", steps, False, mpm_shape=shape)
         carry(test, f"carried_between_walls.{shape}", steps, True, mpm_shape=shape)
-    for ranks in (1, 2, 4) if test.full else (1, 2):
+    for ranks in (1, 2, 4) if FULL else (1, 2):
         if ranks > 1:
             carry(test, f"carried.gimp.{ranks}_ranks", steps, False, ranks=ranks)
         push(test, f"pushed.{ranks}_ranks", steps, True, ranks=ranks)

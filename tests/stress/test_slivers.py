@@ -16,6 +16,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from hostile import Hostile  # noqa: E402
+from talus_test import FULL  # noqa: E402
 
 LIMIT = 60.0  # s, for one run
 CELL, WEIGHT = 0.25, (2000.0, -10000.0)  # m, N in 2D
@@ -105,11 +106,11 @@ def solid(test, label, place, **options):
 
 
 with Hostile(LIMIT) as test:
-    few = PLACES if test.full else (0.0, 1e-14, 1e-9, 1e-3)
+    few = PLACES if FULL else (0.0, 1e-14, 1e-9, 1e-3)
     for shape in ("gimp", "linear"):
-        for solver in ("direct", "amg", "boomeramg") if shape == "gimp" or test.full else ("direct", "amg"):
+        for solver in ("direct", "amg", "boomeramg") if shape == "gimp" or FULL else ("direct", "amg"):
             compare(test, solver, shape, "beyond", PLACES if solver == "direct" else few, mpm_solver=solver)
-        for solver in ("direct", "amg", "boomeramg") if test.full else ("direct", "amg"):
+        for solver in ("direct", "amg", "boomeramg") if FULL else ("direct", "amg"):
             # strains of a third, and of the order of one, where a run may give up
             soft(test, f"{solver}.{shape}", shape, 2e4, False, mpm_solver=solver)
             soft(test, f"{solver}.{shape}", shape, 1e4, True, mpm_solver=solver)
@@ -120,13 +121,13 @@ with Hostile(LIMIT) as test:
     compare(test, "2_ranks", "gimp", "beyond", (0.0, 1e-14, 1e-6), ranks=2)
     compare(test, "2_ranks_amg", "linear", "beyond", (0.0, 1e-14), ranks=2, mpm_solver="amg")
     for shape in ("bspline2", "bspline3", "gimp_bspline2"):
-        compare(test, "direct", shape, "beyond", few if test.full else (0.0, 1e-14, 1e-6))
-    for place in (0.0, 1e-12, 1e-6, 1e-3) if test.full else (1e-12,):
+        compare(test, "direct", shape, "beyond", few if FULL else (0.0, 1e-14, 1e-6))
+    for place in (0.0, 1e-12, 1e-6, 1e-3) if FULL else (1e-12,):
         for solver in ("direct", "amg", "boomeramg"):
             solid(test, f"3d.{solver}.{place:g}", place, mpm_solver=solver)
-            if test.full:
+            if FULL:
                 solid(test, f"3d.{solver}.{place:g}.2_ranks", place, mpm_solver=solver, ranks=2)
-    if test.full:
+    if FULL:
         for shape in ("gimp", "linear"):
             for law in ("neo_hookean", "linear_elastic"):
                 compare(test, law, shape, "beyond", PLACES, mpm_material_soil_type=law)

@@ -9,10 +9,8 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import Test, difference, example  # noqa: E402
+from talus_test import FULL, Test, difference, example  # noqa: E402
 
-FULL = "--full" in sys.argv
-sys.argv = [word for word in sys.argv if word != "--full"]
 COARSE = {"mpm_grid_cells": "18,36", "mpm_body_clay_points_per_cell": "3,3", "mpm_output_every": 0, "mpm_quiet": None}
 
 with Test() as test:

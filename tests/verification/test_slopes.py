@@ -12,10 +12,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-FULL = "--full" in sys.argv
-if FULL:
-    sys.argv.remove("--full")
-from talus_test import Test  # noqa: E402
+from talus_test import FULL, Test  # noqa: E402
 
 SCENE = Path(__file__).resolve().parent / "acads_1a.yaml"
 HEIGHT, BELOW, WEIGHT = 10.0, 5.0, 20e3  # m from toe to crest, m from toe to rock, N/m3
