@@ -18,38 +18,78 @@
 #define ROUNDING_EXACT      1e-12
 #define ROUNDING_DIFFERENCE 1e-8
 
-/* The objective of a run with a parameter times a factor. */
-static PetscErrorCode Evaluate(MpmModel model, PetscInt k, PetscReal factor, PetscReal *objective)
+/* A number of the scene, or a direction of a field's values: its derivative, by what its relative change is times. */
+typedef struct {
+  PetscInt  number, direction; /* -1: none */
+  PetscReal value, scale;      /* of the number; 1 of a direction, which has the size of the values */
+  PetscReal found, tangent, error;
+  PetscBool closed;
+  char      name[128];
+} Subject;
+
+static PetscErrorCode NumberSubject(const MpmModel model, PetscInt k, Subject *subject)
+{
+  const MpmDerivatives *found = &model->results->derivatives;
+
+  PetscFunctionBeginUser;
+  *subject         = (Subject){.number = k, .direction = -1, .found = found->gradient[k], .error = found->errors[k]};
+  subject->value   = model->gradient->parameters.at[k].value;
+  subject->scale   = subject->value;
+  subject->closed  = MpmGradientIsClosed(model->gradient, k);
+  subject->tangent = subject->closed ? found->tangent[k] : 0.;
+  PetscCall(PetscStrncpy(subject->name, found->names[k], sizeof(subject->name)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The adjoint run's derivatives by the values along the direction, and that of the tangent run. */
+static PetscErrorCode DirectionSubject(const MpmModel model, PetscInt d, Subject *subject)
+{
+  const MpmDerivatives     *found     = &model->results->derivatives;
+  const MpmFieldParameters *grounds   = &model->gradient->grounds;
+  const MpmGroundDirection *direction = &grounds->direction[d];
+  const MpmFieldParameter  *field     = &grounds->at[direction->index];
+  const PetscReal          *by        = &found->gradient[model->gradient->parameters.count + field->first];
+
+  PetscFunctionBeginUser;
+  *subject = (Subject){.number = -1, .direction = d, .value = 1., .scale = 1., .closed = PETSC_TRUE};
+  for (PetscInt k = 0; k < field->ground->count; k++) subject->found += by[k] * direction->change[k];
+  subject->tangent = found->tangent[model->gradient->parameters.count + d];
+  PetscCall(PetscSNPrintf(subject->name, sizeof(subject->name), "field %.80s along random signs %d",
+                          field->ground->name, 1 + (int)(d % MPM_GROUND_CHECKS)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The objective of a run with a relative change. */
+static PetscErrorCode Evaluate(MpmModel model, const Subject *subject, PetscReal change, PetscReal *objective)
 {
   MpmTwin twin;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmTwinRun(model, k, factor * model->gradient->parameters.at[k].value, &twin));
+  if (subject->number >= 0) PetscCall(MpmTwinRun(model, subject->number, (1. + change) * subject->value, &twin));
+  else PetscCall(MpmTwinRunField(model, subject->direction, change, &twin));
   *objective = twin.objective;
   PetscCall(MpmTwinDestroy(&twin));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Central differences by one parameter: the best, its noise, and the largest change with as good a one. */
+/* Central differences: the best, its noise, and the largest change with as good a one. */
 typedef struct {
   PetscReal value, noise, window;
 } Difference;
 
-static PetscErrorCode FindDifference(MpmModel model, PetscInt k, Difference *best)
+static PetscErrorCode FindDifference(MpmModel model, const Subject *subject, Difference *best)
 {
-  const PetscReal value = model->gradient->parameters.at[k].value;
-  PetscReal       central[CHANGES], change = LARGEST;
+  PetscReal central[CHANGES], change = LARGEST;
 
   PetscFunctionBeginUser;
   for (PetscInt i = 0; i < CHANGES; i++, change *= 0.1) {
     PetscReal above, below;
 
-    PetscCall(Evaluate(model, k, 1. + change, &above));
-    PetscCall(Evaluate(model, k, 1. - change, &below));
-    central[i] = (above - below) / (2. * change * value);
+    PetscCall(Evaluate(model, subject, change, &above));
+    PetscCall(Evaluate(model, subject, -change, &below));
+    central[i] = (above - below) / (2. * change * subject->scale);
   }
-  *best  = (Difference){NAN, PETSC_INFINITY, 0.};
-  change = LARGEST;
+  *best = (Difference){NAN, PETSC_INFINITY, 0.};
   for (PetscInt i = 0; i + 1 < CHANGES; i++) {
     const PetscReal gap = PetscAbsReal(central[i] - central[i + 1]);
 
@@ -62,29 +102,28 @@ static PetscErrorCode FindDifference(MpmModel model, PetscInt k, Difference *bes
 }
 
 /* The line of a derivative, and whether it agrees with the other method and with the difference. */
-static PetscErrorCode Compare(MpmModel model, PetscInt k, const Difference *difference)
+static PetscErrorCode Compare(MpmModel model, const Subject *subject, const Difference *difference)
 {
-  const MpmDerivatives *found  = &model->results->derivatives;
-  const PetscBool       closed = MpmGradientIsClosed(model->gradient, k);
-  const PetscReal       value = found->gradient[k], apart = closed ? PetscAbsReal(found->tangent[k] - value) : 0.;
-  const PetscReal       wrong = PetscAbsReal(difference->value - value);
-  const PetscReal       at    = model->gradient->parameters.at[k].value;
-  const PetscReal       scale = at == 0. ? 0. : PetscAbsReal(found->objective / at);
-  char                  other[96];
+  const PetscReal value = subject->found, apart = subject->closed ? PetscAbsReal(subject->tangent - value) : 0.;
+  const PetscReal wrong = PetscAbsReal(difference->value - value);
+  const PetscReal scale =
+    subject->scale == 0. ? 0. : PetscAbsReal(model->results->derivatives.objective / subject->scale);
+  const char *method = subject->closed ? "adjoint" : "twins";
+  char        other[96];
 
   PetscFunctionBeginUser;
-  if (closed) PetscCall(PetscSNPrintf(other, sizeof(other), "tangent %.1e apart", (double)apart));
-  else PetscCall(PetscSNPrintf(other, sizeof(other), "error about %.1e", (double)found->errors[k]));
-  PetscCall(MpmMonitorNote(
-    &model->monitor, "%s: %s %.10g, %s; differences %.10g, %.1e apart, noise %.1e, up to a change by %.0e",
-    found->names[k], closed ? "adjoint" : "twins", (double)value, other, (double)difference->value, (double)wrong,
-    (double)difference->noise, (double)difference->window));
+  if (subject->closed) PetscCall(PetscSNPrintf(other, sizeof(other), "tangent %.1e apart", (double)apart));
+  else PetscCall(PetscSNPrintf(other, sizeof(other), "error about %.1e", (double)subject->error));
+  PetscCall(MpmMonitorNote(&model->monitor,
+                           "%s: %s %.10g, %s; differences %.10g, %.1e apart, noise %.1e, up to a change by %.0e",
+                           subject->name, method, (double)value, other, (double)difference->value, (double)wrong,
+                           (double)difference->noise, (double)difference->window));
   if (apart <= AGREEMENT * PetscAbsReal(value) + ROUNDING_EXACT * scale &&
       wrong <= 10. * difference->noise + ERROR * PetscAbsReal(value) + ROUNDING_DIFFERENCE * scale)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOutcomeFail(&model->caller.outcome, MPM_OUTCOME_REFUSED,
-                           "derivative by %s: %s %.10g, %s, differences %.10g", found->names[k],
-                           closed ? "adjoint" : "twins", (double)value, other, (double)difference->value));
+                           "derivative by %s: %s %.10g, %s, differences %.10g", subject->name, method, (double)value,
+                           other, (double)difference->value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -92,14 +131,18 @@ PetscErrorCode MpmGradientCheck(MpmModel model)
 {
   const MpmGradient    *gradient = model->gradient;
   const MpmDerivatives *found    = &model->results->derivatives;
+  const PetscInt        count    = gradient ? found->count + gradient->grounds.direction_count : 0;
 
   PetscFunctionBeginUser;
   if (!gradient || !gradient->checks || !found->gradient) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < found->count; k++) {
+  for (PetscInt k = 0; k < count; k++) {
     Difference difference = {0};
+    Subject    subject;
 
-    PetscCall(FindDifference(model, k, &difference));
-    PetscCall(Compare(model, k, &difference));
+    if (k < found->count) PetscCall(NumberSubject(model, k, &subject));
+    else PetscCall(DirectionSubject(model, k - found->count, &subject));
+    PetscCall(FindDifference(model, &subject, &difference));
+    PetscCall(Compare(model, &subject, &difference));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,6 +6,7 @@
 #include "observe/results.h"
 #include "sensitivity/gradient.h"
 #include "inverse/problem.h"
+#include "inverse/twin.h"
 
 const MpmGround *MpmInverseField(const MpmInverseProblem *problem, PetscInt f)
 {
@@ -65,16 +66,13 @@ static PetscErrorCode SetField(const MpmInverseProblem *problem, PetscInt f, con
 {
   const PetscInt   first  = problem->ranges->numbers + problem->scene->gradient->grounds.at[f].first;
   const MpmGround *ground = MpmInverseField(problem, f);
-  MpmTextFile      text   = MPM_TEXT_FILE_EMPTY;
-  char             name[PETSC_MAX_OPTION_NAME];
+  PetscReal       *value;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < ground->count; k++)
-    PetscCall(MpmTextFileAppend(&text, "%s%.17g", k ? "," : "",
-                                (double)MpmRangeValue(&problem->ranges->at[first + k], t[first + k])));
-  PetscCall(PetscSNPrintf(name, sizeof(name), "-mpm_field_%s_values", ground->name));
-  PetscCall(PetscOptionsSetValue(NULL, name, text.data));
-  PetscCall(MpmTextFileDestroy(&text));
+  PetscCall(PetscMalloc1(ground->count, &value));
+  for (PetscInt k = 0; k < ground->count; k++) value[k] = MpmRangeValue(&problem->ranges->at[first + k], t[first + k]);
+  PetscCall(MpmFieldSetValues(ground, value));
+  PetscCall(PetscFree(value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -28,11 +28,29 @@ static PetscErrorCode Tell(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses a number whose derivative in closed form is exactly 0, while the objective depends on its columns. */
+static PetscErrorCode CheckDependence(const MpmModel model)
+{
+  const MpmGradient    *gradient = model->gradient;
+  const MpmDerivatives *found    = &model->results->derivatives;
+  PetscBool             weighs   = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  if (!gradient || gradient->kind || !gradient->weights) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = 0; i < gradient->rows * gradient->objectives.count; i++)
+    if (gradient->weights[i] != 0.) weighs = PETSC_TRUE;
+  for (PetscInt k = 0; weighs && k < found->count; k++)
+    MpmCheckInput(!MpmGradientIsClosed(gradient, k) || found->gradient[k] != 0.,
+                  "-mpm_parameters %s: no result depends on it", found->names[k]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Derivatives, and what the task compares them with. */
 static PetscErrorCode Derive(MpmModel model)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmDifferentiate(model));
+  if (!model->caller.outcome.code) PetscCall(CheckDependence(model));
   if (!model->caller.outcome.code) PetscCall(Tell(model));
   if (!model->caller.outcome.code) PetscCall(MpmGroundResultsWrite(model));
   if (!model->caller.outcome.code) PetscCall(MpmGradientCheck(model));

@@ -4,6 +4,7 @@
 */
 #include <stdlib.h>
 #include "base/columns.h"
+#include "io/io.h"
 #include "options/database.h"
 #include "options/record.h"
 #include "observe/results.h"
@@ -30,6 +31,15 @@ static PetscErrorCode KeepOption(const char name[], char **value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode ReturnOption(const char name[], char **value)
+{
+  PetscFunctionBeginUser;
+  if (*value) PetscCall(PetscOptionsSetValue(NULL, name, *value));
+  else PetscCall(PetscOptionsClearValue(NULL, name));
+  PetscCall(PetscFree(*value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A tolerance of twins, unless the scene's is smaller. */
 static PetscErrorCode Tighten(size_t t, char **value)
 {
@@ -37,15 +47,6 @@ static PetscErrorCode Tighten(size_t t, char **value)
   PetscCall(KeepOption(tolerances[t].name, value));
   if (!*value || strtod(*value, NULL) > strtod(tolerances[t].value, NULL))
     PetscCall(PetscOptionsSetValue(NULL, tolerances[t].name, tolerances[t].value));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Loosen(size_t t, char **value)
-{
-  PetscFunctionBeginUser;
-  if (*value) PetscCall(PetscOptionsSetValue(NULL, tolerances[t].name, *value));
-  else PetscCall(PetscOptionsClearValue(NULL, tolerances[t].name));
-  PetscCall(PetscFree(*value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,22 +129,73 @@ static PetscErrorCode RunAlong(MpmModel model, MpmModel other, MpmTwin *twin)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTwinRun(MpmModel model, PetscInt k, double value, MpmTwin *twin)
+/* The run of the scene as its options are now. */
+static PetscErrorCode Run(MpmModel model, MpmTwin *twin)
 {
-  const MpmSceneParameter *parameter = &model->gradient->parameters.at[k];
-  char                    *kept[PETSC_STATIC_ARRAY_LENGTH(tolerances)];
-  PetscBool                made = PETSC_FALSE;
-  MpmModel                 other;
+  char     *kept[PETSC_STATIC_ARRAY_LENGTH(tolerances)];
+  PetscBool made = PETSC_FALSE;
+  MpmModel  other;
 
   PetscFunctionBeginUser;
   *twin = (MpmTwin){.objective = NAN};
   for (size_t t = 0; t < PETSC_STATIC_ARRAY_LENGTH(tolerances); t++) PetscCall(Tighten(t, &kept[t]));
-  PetscCall(MpmSceneParameterSet(parameter, value));
   PetscCall(Create(model, twin, &other, &made));
   if (made) PetscCall(RunAlong(model, other, twin));
   PetscCall(MpmModelDestroy(&other));
+  for (size_t t = 0; t < PETSC_STATIC_ARRAY_LENGTH(tolerances); t++)
+    PetscCall(ReturnOption(tolerances[t].name, &kept[t]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTwinRun(MpmModel model, PetscInt k, double value, MpmTwin *twin)
+{
+  const MpmSceneParameter *parameter = &model->gradient->parameters.at[k];
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmSceneParameterSet(parameter, value));
+  PetscCall(Run(model, twin));
   PetscCall(MpmSceneParameterReset(parameter));
-  for (size_t t = 0; t < PETSC_STATIC_ARRAY_LENGTH(tolerances); t++) PetscCall(Loosen(t, &kept[t]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode NameValues(const MpmGround *ground, char name[PETSC_MAX_OPTION_NAME])
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(name, PETSC_MAX_OPTION_NAME, "-mpm_field_%s_values", ground->name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFieldSetValues(const MpmGround *ground, const PetscReal value[])
+{
+  MpmTextFile text = MPM_TEXT_FILE_EMPTY;
+  char        name[PETSC_MAX_OPTION_NAME];
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < ground->count; k++)
+    PetscCall(MpmTextFileAppend(&text, "%s%.17g", k ? "," : "", (double)value[k]));
+  PetscCall(NameValues(ground, name));
+  PetscCall(PetscOptionsSetValue(NULL, name, text.data));
+  PetscCall(MpmTextFileDestroy(&text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTwinRunField(MpmModel model, PetscInt d, PetscReal part, MpmTwin *twin)
+{
+  const MpmFieldParameters *grounds   = &model->gradient->grounds;
+  const MpmGroundDirection *direction = &grounds->direction[d];
+  const MpmGround          *ground    = grounds->at[direction->index].ground;
+  PetscReal                *value;
+  char                      name[PETSC_MAX_OPTION_NAME], *kept;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(ground->count, &value));
+  for (PetscInt k = 0; k < ground->count; k++) value[k] = ground->value[k] + part * direction->change[k];
+  PetscCall(NameValues(ground, name));
+  PetscCall(KeepOption(name, &kept));
+  PetscCall(MpmFieldSetValues(ground, value));
+  PetscCall(Run(model, twin));
+  PetscCall(ReturnOption(name, &kept));
+  PetscCall(PetscFree(value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,6 +3,7 @@
   Runs of a scene with one parameter changed, beside the model's own run.
 */
 #include "base/base.h"
+#include "base/types.h"
 #include "talus/talus.h"
 
 #define MPM_TWIN_TEXT 512
@@ -20,4 +21,8 @@ typedef struct {
   model's options are in force, and are those of the scene again in the end. Collective.
 */
 PetscErrorCode MpmTwinRun(MpmModel model, PetscInt k, double value, MpmTwin *twin);
+/* Likewise a field, changed by a part of the tangent run's direction d (MpmGroundDirectionsCreate). */
+PetscErrorCode MpmTwinRunField(MpmModel model, PetscInt d, PetscReal part, MpmTwin *twin);
 PetscErrorCode MpmTwinDestroy(MpmTwin *twin);
+/* Sets the option of a field's values, in the database in force. */
+PetscErrorCode MpmFieldSetValues(const MpmGround *ground, const PetscReal value[]);

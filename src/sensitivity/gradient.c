@@ -146,8 +146,6 @@ PetscErrorCode MpmGradientRead(MpmModel model, const MpmOptions *options, const 
     PetscCall(MpmGradientFindOpen(model, model->gradient->open));
   }
   PetscCall(MpmFieldParametersCheck(model, &model->gradient->grounds));
-  MpmCheckInput(!model->gradient->grounds.count || task != 2,
-                "-mpm_task %s: takes no fields yet as parameters; gradient and inverse do", tasks[task]);
   if (model->gradient->checks && model->gradient->grounds.count) model->gradient->method = MPM_GRADIENT_ADJOINT;
   if (!kind) model->disc.grid->balance = PETSC_INFINITY; /* replayed steps have the numbers of their nodes */
   PetscCall(FindColumns(model));

@@ -93,6 +93,13 @@ def varying(test, folder):
             away = np.abs(by_field(other)[1] - derivatives).max() / np.abs(derivatives).max()
             test.check(f"{label}.{method}.ranks={ranks}", away, None, 1e-8)
             test.near(f"{label}.{method}.ranks={ranks}.nu", scalars[0], gradient[0], relative=1e-8)
+        if label == "penalty":  # the program's own check: both methods, and differences along random directions
+            check = {**EXACT, **options, "mpm_quiet": "false", "mpm_task": "check_gradient", "mpm_gradient_parameters": "field_stiff",
+                     "mpm_objectives": "u", "mpm_objective_u_column": "track_top_uy", "mpm_objective_u_kind": "value"}
+            lines = [line for line in test.run(SCENE, **check).output.splitlines() if "along random signs" in line]
+            test.check("check.directions", len(lines), 3, 3)
+            value, apart = (float(lines[0].split(word)[1].split()[0].strip(",")) for word in ("adjoint", "differences"))
+            test.near("check.differences", apart, value, relative=1e-6)
         change = values * rng.choice((-1.0, 1.0), len(values))
         ends = []
         for step in (-1e-5, 1e-5):

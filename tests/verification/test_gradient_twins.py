@@ -80,3 +80,7 @@ with Test() as test:
     refuse("material", "no body is of the material", mpm_gradient_parameters="rock.E", mpm_materials="beam,rock",
            mpm_material_rock_type="hencky", mpm_material_rock_E=1e6, mpm_material_rock_nu=0.2, mpm_material_rock_density=1e3)
     refuse("zero", "no result depends on it", mpm_gradient_parameters="time.step", **beam)
+    for method in ("adjoint", "tangent"):  # a strength that no point reaches
+        refuse("unreached." + method, "beam.yield_stress: no result depends on it", mpm_gradient_method=method,
+               mpm_gradient_parameters="beam.E,beam.yield_stress", mpm_material_beam_type="j2", mpm_material_beam_yield_stress=1e12,
+               **{**beam, "mpm_time_end": 0.1})

@@ -20,6 +20,7 @@ from talus_test import ROOT, Test, example  # noqa: E402
 
 BEAM = {"mpm_grid_cells": "30,30", "mpm_body_beam_points_per_cell": "3,3", "mpm_time_step": 0.25, "mpm_output_every": 0,
         "snes_rtol": 1e-12, "snes_stol": 0, "mpm_quiet": None}
+WET = Path(__file__).resolve().parent / "gradient_poro.yaml"
 E, NU = 12e6, 0.2
 COLUMNS = ("time", "track_tip_ux", "track_tip_uy")
 
@@ -57,8 +58,8 @@ YOUNG = {"of": "beam.E", "transform": "log", "bounds": "1e6,1e9", "start": 8e6}
 POISSON = {"of": "beam.nu", "transform": "logit", "bounds": "0,0.45", "start": 0.3}
 
 
-def analyse(test, ranks=1, status=0, **options):
-    run = test.run(example("cantilever"), ranks=ranks, status=status, **{**BEAM, **options})
+def analyse(test, ranks=1, status=0, scene=None, **options):
+    run = test.run(scene or example("cantilever"), ranks=ranks, status=status, **{**({} if scene else BEAM), **options})
     return run, (json.loads(Path(f"{run.prefix}_summary.json").read_text())["inverse"] if run.prefix else None)
 
 
@@ -118,6 +119,21 @@ with Test() as test:
     run, found = analyse(test, **data, **parameters(**pair))
     test.near("prior.E", found["values"][0], E, relative=1e-6)
     test.near("prior.load", found["values"][1], 1.0, relative=1e-6)
+
+    # settlements tell how fast water flows, but not why: the permeability or its viscosity
+    wet = {"scene": WET, "mpm_time_scheme": "second", "mpm_time_step": 40, "snes_rtol": 1e-12, "mpm_output_every": 0}
+    settled = test.run(**wet, mpm_quiet=None).results
+    write(place / "wet.csv", {"time": settled.column("time"), "track_edge_uy": settled.column("track_edge_uy")})
+    asked = {"mpm_task": "inverse", "mpm_objectives": "uy", "mpm_objective_uy_column": "track_edge_uy",
+             "mpm_objective_uy_data": str(place / "wet.csv"),
+             "mpm_objective_uy_deviation": 1e-5, "mpm_quiet": None}
+    water = {name: {"of": of, "transform": "log", "start": start} for name, of, start in
+             (("E", "clay.E", 1.3e6), ("k", "clay.permeability", 2e-12), ("viscosity", "water.viscosity", 1.2e-3))}
+    run, found = analyse(test, **wet, **asked, **parameters(**water))
+    test.check("water.not_told_apart", found["not_told_apart"] == [["k", "viscosity"]], 1, 1)
+    test.check("water.singular", found["singular_values"][2] / found["singular_values"][0], None, 1e-8)
+    test.near("water.E", found["values"][0], 1e6, relative=1e-6)
+    test.near("water.ratio", found["values"][1] / found["values"][2], 1e-9, relative=1e-6)
 
     # noise: the Jacobian by differences, statistics by numpy from the files
     noise = np.random.default_rng(5)

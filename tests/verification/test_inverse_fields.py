@@ -215,7 +215,6 @@ def refusals(test, folder):
            **(base | smooth | {"mpm_objective_smooth_kind": "prior", "mpm_objective_smooth_length": 1}))
     refuse(test, "length", "length is missing", **cell, **(base | smooth | {"mpm_objective_smooth_kind": "prior"}))
     refuse(test, "task", "has no regularization", **cell, **(base | smooth | {"mpm_task": "gradient"}))
-    refuse(test, "check", "takes no fields yet", **cell, **(base | {"mpm_task": "check_gradient"}))
     many = [(0.2 * (k + 1), 0.5) for k in range(17)]
     path = write(folder / "many.csv", ("x", "y", "value"), [(*at, 1e6) for at in many])
     refuse(test, "pilots", "more than cells", **(field(folder, "pilots", values[:4]) | {"mpm_field_stiff_file": path}), **base)
