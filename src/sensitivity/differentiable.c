@@ -27,14 +27,6 @@ typedef struct {
   PetscBool   there;
 } Part;
 
-/* True where water has weight. */
-static PetscBool WaterWeighs(const MpmModel model)
-{
-  for (PetscInt l = 0; model->disc.layout->own.taken_up >= 0 && l < model->scene.loads->count; l++)
-    if (model->scene.loads->at[l].type == MPM_LOAD_GRAVITY) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /* The first load of a kind that has no derivative, or NULL. */
 static const char *FindLoad(const MpmScene *scene)
 {
@@ -143,8 +135,6 @@ static const char *FindPart(const MpmModel model)
          {"bodies that fill the gap beneath as they join", AnyFills(scene->bodies)},
          {"a reduction of strength", MpmStagesReduce(model)},
          {"a relaxation", (PetscBool)(MpmStagesRelax(model) || AnyRescue(scene))},
-         {"axial symmetry of more than a solid",
-          (PetscBool)(scene->deformation.kinematics == MPM_AXISYMMETRY && model->disc.layout->rate.count > 0)},
          {"boundaries", (PetscBool)(scene->boundaries->count > 0)},
          {"contacts", (PetscBool)(scene->pairs->count > 0)},
          {"motions", (PetscBool)(scene->motions->count > 0)},
@@ -155,7 +145,6 @@ static const char *FindPart(const MpmModel model)
          {"the ghost penalty of water, or of a material without E",
           (PetscBool)((model->disc.matrix.ghost > 0. || scene->stabilization.interior > 0.) && PenaltyIsOpen(model))},
          {"smoothed strains (-mpm_stabilization_smooth)", (PetscBool)(scene->stabilization.smooth > 0.)},
-         {"the weight of water", WaterWeighs(model)},
          {"a level of water", scene->water->there},
          {"rates of this physics", (PetscBool)!MpmRatesAreClosed(model->disc.layout)},
          {"a moving grid", (PetscBool)(scene->follow.what != MPM_FOLLOW_NOTHING)},

@@ -63,6 +63,16 @@ static PetscErrorCode Enter(MpmModel model, PetscInt n, PetscInt number, const M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The change of the residual's parts beside the points' along a direction. */
+static PetscErrorCode PartsAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmLoadsAlong(map, direction, residual));
+  PetscCall(MpmGhostAlong(map, direction, residual));
+  PetscCall(MpmWaterWeightAlong(map, direction, residual));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* One stage along these directions: du and, if they are wanted, dr with it and the changes of its end. */
 static PetscErrorCode StageAlong(MpmModel model, const MpmReplayedStep *step, PetscBool balance, PetscReal *const du[],
                                  MpmPointVector end[], MpmStepDirection of[], MpmStepDirections *directions)
@@ -74,8 +84,7 @@ static PetscErrorCode StageAlong(MpmModel model, const MpmReplayedStep *step, Pe
   PetscFunctionBeginUser;
   PetscCall(MpmPointsAlong(map, directions));
   for (PetscInt k = 0; k < directions->count; k++) {
-    PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
-    PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
+    PetscCall(PartsAlong(map, &of[k], residual[k]));
     for (PetscInt i = 0; i < count; i++) residual[k][i] = -residual[k][i];
     PetscCall(MpmReplayedSolve(model, step, PETSC_FALSE, residual[k], du[k]));
     PetscCall(PetscArrayzero(residual[k], count));
@@ -84,10 +93,7 @@ static PetscErrorCode StageAlong(MpmModel model, const MpmReplayedStep *step, Pe
   directions->end      = end;
   directions->residual = balance ? residual : NULL;
   PetscCall(MpmPointsAlong(map, directions));
-  for (PetscInt k = 0; balance && k < directions->count; k++) {
-    PetscCall(MpmLoadsAlong(map, &of[k], residual[k]));
-    PetscCall(MpmGhostAlong(map, &of[k], residual[k]));
-  }
+  for (PetscInt k = 0; balance && k < directions->count; k++) { PetscCall(PartsAlong(map, &of[k], residual[k])); }
   for (PetscInt k = 0; k < directions->count; k++) of[k].du = NULL;
   directions->end      = NULL;
   directions->residual = residual;

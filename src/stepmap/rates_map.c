@@ -85,15 +85,29 @@ PetscBool MpmPhysicsHasParameter(const MpmSceneParameter *parameter, PetscInt ma
   return (PetscBool)(parameter->kind == MPM_OF_PHYSICS && (parameter->index < 0 || parameter->index == material));
 }
 
-void MpmPhysicsDirection(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscInt material, double rows[])
+/* The change of the physics' values of a material with a parameter. */
+static void Change(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscInt material, double change[])
 {
-  double change[MOST_VALUES] = {0.};
-
   for (PetscInt k = 0; k < parameter->places; k++) {
     const PetscInt place = parameter->place + k;
 
     if (map->physics->change) map->physics->change(map->sum->materials[material].physics_parameter, (int)place, change);
     else change[place] = 1.;
   }
+}
+
+PetscReal MpmPhysicsSlope(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscInt material, PetscInt value)
+{
+  double change[MOST_VALUES] = {0.};
+
+  Change(map, parameter, material, change);
+  return change[value];
+}
+
+void MpmPhysicsDirection(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscInt material, double rows[])
+{
+  double change[MOST_VALUES] = {0.};
+
+  Change(map, parameter, material, change);
   for (PetscInt k = 0; k < MpmPhysicsValues(map); k++) rows[k * MPM_PACK] = change[k];
 }

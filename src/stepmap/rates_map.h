@@ -25,5 +25,7 @@ const double **MpmRateMember(MpmKernelDirection *direction, MpmRateNumber kind);
 PetscReal *MpmRateArray(const MpmPointVector *start, const MpmStageNumbers *stage, MpmRateNumber kind);
 /* True where a parameter is one of the physics' of a material. */
 PetscBool MpmPhysicsHasParameter(const MpmSceneParameter *parameter, PetscInt material);
+/* The derivative of one of the physics' values of a material by such a parameter. */
+PetscReal MpmPhysicsSlope(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscInt material, PetscInt value);
 /* The change of its values with that parameter, each in a row of MPM_PACK numbers; the others stay. */
 void MpmPhysicsDirection(const MpmStepMap *map, const MpmSceneParameter *parameter, PetscInt material, double rows[]);

@@ -5,4 +5,7 @@
 #include "assembly/terms.h"
 
 extern const MpmTerm MpmTermWaterWeight; /* water taken up by points, where the physics has it (water_weight.c) */
-extern const MpmTerm MpmTermGhost;       /* the ghost penalty (ghost_penalty.c) */
+/* J at the increment dF of point p's F, with its derivatives by dF and, unless NULL, by F at the step's start. */
+PetscReal MpmWaterVolume(const MpmSum *sum, PetscInt p, const PetscReal dF[], PetscReal by[], PetscReal by_F[]);
+
+extern const MpmTerm MpmTermGhost; /* the ghost penalty (ghost_penalty.c) */

@@ -18,8 +18,7 @@ typedef struct {
   PetscReal *row, *column, taken;
 } Rank;
 
-/* J, and its derivatives by the increment's gradient */
-static PetscReal Volume(const MpmSum *sum, PetscInt p, const PetscReal dF[], PetscReal by[])
+PetscReal MpmWaterVolume(const MpmSum *sum, PetscInt p, const PetscReal dF[], PetscReal by[], PetscReal by_F[])
 {
   const PetscInt   dim = sum->space->dim, size = sum->points->F_size, hoop = size > dim * dim ? 1 : 0;
   const PetscReal *F_n = MpmPointF(sum->points, p);
@@ -29,14 +28,20 @@ static PetscReal Volume(const MpmSum *sum, PetscInt p, const PetscReal dF[], Pet
     for (PetscInt k = 0; k < dim * dim; k++) {
       by[k] = F_n[k % dim * dim + k / dim];
       J += by[k] * dF[k];
+      if (by_F) by_F[k % dim * dim + k / dim] = dF[k];
     }
+    if (hoop && by_F) by_F[size - 1] = dF[size - 1];
     if (hoop) by[size - 1] = F_n[size - 1];
     return hoop ? J + by[size - 1] * dF[size - 1] : J;
   }
   det = MpmDeterminant(size, F_n);
-  J   = det * MpmCofactors(size, dF, by);
-  for (PetscInt k = 0; k < size; k++) by[k] *= det;
-  return J;
+  J   = MpmCofactors(size, dF, by);
+  if (by_F) (void)MpmCofactors(size, F_n, by_F);
+  for (PetscInt k = 0; k < size; k++) {
+    by[k] *= det;
+    if (by_F) by_F[k] *= J;
+  }
+  return det * J;
 }
 
 static void Evaluate(const MpmSum *sum, PetscInt p, PetscInt n, const MpmBasis *basis, const PetscReal values[],
@@ -51,7 +56,7 @@ static void Evaluate(const MpmSum *sum, PetscInt p, PetscInt n, const MpmBasis *
   for (PetscInt k = 0; k < dim * dim; k++)
     dF[k] = (k / dim == k % dim ? 1. : 0.) + MpmBasisDerivative(basis, n, k % dim, &values[k / dim * n]);
   if (hoop) dF[dim * dim] = 1. + MpmBasisHoop(basis, n, values);
-  rank->taken = Volume(sum, p, dF, by) - 1.;
+  rank->taken = MpmWaterVolume(sum, p, dF, by, NULL) - 1.;
   for (PetscInt k = 0; k < dim * n; k++) rank->row[k] = rank->column[k] = 0.;
   for (PetscInt a = 0; a < dim; a++) {
     MpmBasisAddForce(basis, n, scale * sum->step.gravity[a], &rank->row[a * n]);

@@ -10,3 +10,8 @@
 */
 PetscErrorCode MpmDeviationsAlong(const MpmStepMap *map, const MpmPointVector *start, PetscReal deviation[]);
 PetscErrorCode MpmDeviationsPull(const MpmStepMap *map, const PetscReal deviation[], MpmPointVector *start);
+/* The weight of the water that points have taken up (weight.c), as loads (stepmap/step_map.h). */
+PetscErrorCode MpmWaterWeightAlong(const MpmStepMap *map, const MpmStepDirection *direction, PetscReal residual[]);
+PetscErrorCode MpmWaterWeightPullSolution(const MpmStepMap *map, const PetscReal lam[], PetscReal u[]);
+PetscErrorCode MpmWaterWeightPullStart(const MpmStepMap *map, const PetscReal lam[], MpmPointVector *start,
+                                       PetscReal gradient[]);

@@ -17,6 +17,9 @@ RATIOS = {0.1: 0.50004, 0.3: 0.53154, 1: 0.75008, 3: 0.90000, 10: 0.96774}  # E/
 EXACT = {"snes_rtol": 1e-13, "snes_stol": 0, "mpm_quiet": None, "mpm_output_every": 0}
 NUMBERS = "clay.E,clay.nu,clay.permeability,water.viscosity,clay.porosity,water.modulus,strip.factor"
 FINITE = {"mpm_material_clay_type": "neo_hookean", "mpm_material_clay_permeability_law": "kozeny_carman"}
+WEIGHT = {"mpm_loads": "strip,weight", "mpm_load_weight_type": "gravity", "mpm_load_weight_value": "0,-9.81",
+          "mpm_material_clay_density": 1800}
+HEAVY = "clay.E,clay.permeability,clay.porosity,water.viscosity,water.density,clay.density"
 LAWS = {
     "small": ({"mpm_stabilization_fbar": "false"}, NUMBERS),
     "small.means": ({"mpm_stabilization_fbar": "true"}, NUMBERS),
@@ -26,6 +29,8 @@ LAWS = {
                        "mpm_stabilization_fbar": "spread"}, NUMBERS),
     "second.small": ({"mpm_stabilization_fbar": "false", "mpm_time_scheme": "second"}, NUMBERS),
     "second": ({**FINITE, "mpm_stabilization_fbar": "true", "mpm_time_scheme": "second"}, NUMBERS),
+    "weight": ({**FINITE, **WEIGHT, "mpm_stabilization_fbar": "true", "mpm_time_scheme": "second"}, HEAVY),
+    "axial": ({**WEIGHT, "mpm_kinematics": "axisymmetric", "mpm_material_clay_type": "neo_hookean"}, HEAVY),
     "plastic": ({"mpm_material_clay_type": "mohr_coulomb", "mpm_material_clay_cohesion": 8e3, "mpm_material_clay_friction": 20,
                  "mpm_material_clay_dilation": 5, "mpm_stabilization_fbar": "true"},
                 "clay.cohesion,clay.friction,clay.permeability,water.viscosity"),
