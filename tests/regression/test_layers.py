@@ -280,7 +280,8 @@ def plant(folder, objects):
         if path.parent.name == "model":
             add(path.relative_to(folder), '#include "precondition/pc_band.h"\n')
     for path in sorted((folder / "src").rglob("*.c")):
-        if path.parent.name in ("model", "observe", "scene", "step", "integrators", "schedule", "solve", "contact", "inverse", "laboratory"):
+        if path.parent.name in ("model", "observe", "scene", "step", "integrators", "schedule", "solve", "contact", "inverse", "laboratory",
+                                "sensitivity"):
             add(path.relative_to(folder), '#include "run/planted.h"\n')
     (folder / "src/run/planted.h").write_text("#pragma once\n", encoding="utf-8")
     arguments = ", ".join(f"int a{k}" for k in range(FUNCTION_ARGUMENTS + 1))
