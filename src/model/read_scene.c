@@ -482,6 +482,8 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(MpmStabilizationSettle(model));
   PetscCall(ReadOutput(model, options));
   PetscCall(MpmCheckpointSetFromOptions(model, options));
+  model->solver.multigrid.levels.shape = model->scene.shape.type;
+  model->solver.multigrid.levels.edge  = model->scene.shape.edge;
   PetscCall(MpmSolverSetFromOptions(&model->solver, options));
   PetscCall(MpmGradientRead(model, options, NULL));
   PetscCall(AddRows(model));

@@ -48,6 +48,16 @@ PetscErrorCode MpmDatabaseFind(const char name[], const char **value, PetscBool 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmDatabaseDefault(const char name[], const char value[])
+{
+  PetscBool set;
+
+  PetscFunctionBegin;
+  PetscCall(MpmDatabaseHas(name + 1, &set));
+  if (!set) PetscCall(PetscOptionsSetValue(NULL, name, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static int ComparePairs(const void *a, const void *b)
 {
   return strcmp(((const Pair *)a)->name, ((const Pair *)b)->name);

@@ -13,6 +13,9 @@ PetscErrorCode MpmDatabaseHas(const char name[], PetscBool *has);
 /* Lends the value; NULL for an option without one. Marks the option as used. */
 PetscErrorCode MpmDatabaseFind(const char name[], const char **value, PetscBool *given);
 
+/* Sets an option, "-name", that the user has not set; that is no use of it. */
+PetscErrorCode MpmDatabaseDefault(const char name[], const char value[]);
+
 /* An option as it stands in the database, which lends both; `value` may be NULL. */
 typedef struct {
   const char *name, *value;

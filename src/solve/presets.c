@@ -16,17 +16,6 @@ static const struct {
 #include "mpm_presets.h"
 };
 
-/* Sets an option that the user has not set; that is no use of it. */
-static PetscErrorCode OptionDefault(const char *name, const char *value)
-{
-  PetscBool set;
-
-  PetscFunctionBeginUser;
-  PetscCall(MpmDatabaseHas(name + 1, &set));
-  if (!set) PetscCall(PetscOptionsSetValue(NULL, name, value));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Sets an option, with another value in steps in which nothing touches; NULL: none. */
 static PetscErrorCode OptionAtRest(MpmSolver *solver, const char *name, const char *at_rest, const char *touching)
 {
@@ -58,7 +47,7 @@ static PetscErrorCode ApplyPreset(const char *text)
 
     if (line[i][0] != '-') continue;
     PetscCall(PetscStrToArray(line[i], ' ', &words, &word));
-    if (words) PetscCall(OptionDefault(word[0], words > 1 ? word[1] : NULL));
+    if (words) PetscCall(MpmDatabaseDefault(word[0], words > 1 ? word[1] : NULL));
     PetscCall(PetscStrToArrayDestroy(words, word));
   }
   PetscCall(PetscStrToArrayDestroy(lines, line));
@@ -126,23 +115,23 @@ static PetscErrorCode TuneDirect(MpmSolver *solver, PetscReal unknowns)
   PetscCall(PetscOptionsHasName(NULL, NULL, "-pc_type", &chosen));
   PetscCall(PetscOptionsHasName(NULL, NULL, "-pc_factor_mat_solver_type", &packaged));
   if (small && solver->definite.symmetric && !saddle && !chosen && !packaged) {
-    PetscCall(OptionDefault("-pc_type", "band"));
+    PetscCall(MpmDatabaseDefault("-pc_type", "band"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (!saddle && solver->at_rest.serves) {
     PetscCall(OptionAtRest(solver, "-pc_type", small && !packaged ? "band" : "cholesky", "lu"));
     if (!chosen) PetscCall(OptionAtRest(solver, "-mat_mumps_icntl_8", "1", NULL));
   }
-  PetscCall(OptionDefault("-pc_factor_mat_solver_type", MATSOLVERMUMPS));
-  PetscCall(OptionDefault("-pc_type", solver->definite.symmetric ? "cholesky" : "lu"));
+  PetscCall(MpmDatabaseDefault("-pc_factor_mat_solver_type", MATSOLVERMUMPS));
+  PetscCall(MpmDatabaseDefault("-pc_type", solver->definite.symmetric ? "cholesky" : "lu"));
   PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_factor_mat_solver_type", package, sizeof(package), NULL));
   if (chosen || strcmp(package, MATSOLVERMUMPS)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (solver->definite.symmetric && !saddle) PetscCall(OptionDefault("-mat_mumps_icntl_8", "1"));
+  if (solver->definite.symmetric && !saddle) PetscCall(MpmDatabaseDefault("-mat_mumps_icntl_8", "1"));
   if (MpmStabilityWanted(solver))
-    PetscCall(OptionDefault("-mat_mumps_icntl_13", "1")); /* or not all pivots are counted */
+    PetscCall(MpmDatabaseDefault("-mat_mumps_icntl_13", "1")); /* or not all pivots are counted */
   if (solver->disc->dim == 2 && small) {
-    PetscCall(OptionDefault("-mat_mumps_icntl_7", "6"));
-    PetscCall(OptionDefault("-mat_mumps_icntl_13", "1"));
+    PetscCall(MpmDatabaseDefault("-mat_mumps_icntl_7", "6"));
+    PetscCall(MpmDatabaseDefault("-mat_mumps_icntl_13", "1"));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -172,9 +161,9 @@ static PetscErrorCode TuneMultigrid(MpmSolver *solver, PetscBool contacts)
   PetscCall(MpmDatabaseHas("ksp_type", &method));
   if (!method) PetscCall(OptionAtRest(solver, "-ksp_pc_side", NULL, "right"));
   PetscCall(MpmDatabaseHas("mg_levels_pc_type", &smoother));
-  if (contacts) PetscCall(OptionDefault("-mg_levels_pc_type", "sor"));
+  if (contacts) PetscCall(MpmDatabaseDefault("-mg_levels_pc_type", "sor"));
   if (smoother || contacts) PetscFunctionReturn(PETSC_SUCCESS);
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(tuned); k++) PetscCall(OptionDefault(tuned[k][0], tuned[k][1]));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(tuned); k++) PetscCall(MpmDatabaseDefault(tuned[k][0], tuned[k][1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -190,16 +179,16 @@ static PetscErrorCode TuneFieldsplit(PetscBool contacts)
   PetscFunctionBeginUser;
   PetscCall(MpmDatabaseHas("fieldsplit_u_mg_levels_pc_type", &smoother));
   if (contacts && !smoother) {
-    PetscCall(OptionDefault("-fieldsplit_u_mg_levels_pc_type", "bjacobi"));
-    PetscCall(OptionDefault("-fieldsplit_u_mg_levels_sub_pc_type", "ilu"));
-    PetscCall(OptionDefault("-fieldsplit_u_mg_levels_sub_pc_factor_shift_type", "inblocks"));
-    PetscCall(OptionDefault("-fieldsplit_u_mg_levels_sub_pc_factor_shift_amount", "1"));
+    PetscCall(MpmDatabaseDefault("-fieldsplit_u_mg_levels_pc_type", "bjacobi"));
+    PetscCall(MpmDatabaseDefault("-fieldsplit_u_mg_levels_sub_pc_type", "ilu"));
+    PetscCall(MpmDatabaseDefault("-fieldsplit_u_mg_levels_sub_pc_factor_shift_type", "inblocks"));
+    PetscCall(MpmDatabaseDefault("-fieldsplit_u_mg_levels_sub_pc_factor_shift_amount", "1"));
   }
 #if defined(PETSC_HAVE_HYPRE)
-  PetscCall(OptionDefault("-fieldsplit_p_pc_type", "hypre"));
+  PetscCall(MpmDatabaseDefault("-fieldsplit_p_pc_type", "hypre"));
 #else
-  PetscCall(OptionDefault("-fieldsplit_p_pc_type", "gamg"));
-  PetscCall(OptionDefault("-fieldsplit_p_mg_levels_pc_type", "sor"));
+  PetscCall(MpmDatabaseDefault("-fieldsplit_p_pc_type", "gamg"));
+  PetscCall(MpmDatabaseDefault("-fieldsplit_p_mg_levels_pc_type", "sor"));
 #endif
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -260,7 +249,9 @@ PetscErrorCode MpmPresetApply(MpmSolver *solver, PetscReal unknowns, PetscBool i
   if (!strcmp(name, "auto")) PetscCall(ChooseSolver(solver, unknowns, &name));
   direct = (PetscBool)!strcmp(name, "direct");
   if (!strcmp(name, "poro-fieldsplit")) PetscCall(TuneFieldsplit(contacts));
-  if (!strcmp(name, "amg") && !solver->definite.symmetric) PetscCall(TuneMultigrid(solver, contacts));
+  if (!strcmp(name, "hmg")) PetscCall(MpmMultigridApply(solver));
+  if ((!strcmp(name, "amg") || !strcmp(name, "hmg")) && !solver->definite.symmetric)
+    PetscCall(TuneMultigrid(solver, contacts));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++)
     if (!strcmp(presets[k].name, name)) PetscCall(ApplyPreset(presets[k].text));
   if (name != solver->preset.name) {
@@ -272,11 +263,11 @@ PetscErrorCode MpmPresetApply(MpmSolver *solver, PetscReal unknowns, PetscBool i
     PetscBool chosen;
 
     if ((inertia || contacts) && !solver->disc->layout->traits.saddle)
-      PetscCall(OptionDefault("-snes_rtol", RTOL_TIGHT));
+      PetscCall(MpmDatabaseDefault("-snes_rtol", RTOL_TIGHT));
     PetscCall(PetscOptionsHasName(NULL, NULL, "-ksp_type", &chosen));
     solver->definite.may_be_lost = (PetscBool)((solver->definite.symmetric || solver->at_rest.serves) && !chosen);
     PetscCall(OptionAtRest(solver, "-ksp_type", "cg", solver->definite.symmetric ? "cg" : "gmres"));
-    if (!solver->definite.symmetric && !chosen) PetscCall(OptionDefault("-ksp_gmres_restart", "100"));
+    if (!solver->definite.symmetric && !chosen) PetscCall(MpmDatabaseDefault("-ksp_gmres_restart", "100"));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "base/version.h"
+#include "levels/pc_levels.h"
 #include "talus/talus.h"
 
 /* Action of a run at an equilibrium that is not stable. */
@@ -119,6 +120,12 @@ typedef struct {
   PetscBool       keeps_tangents;
 } MpmJacobian;
 
+/* Multigrid on coarser lattices: levels, smoother and its steps, solver of the coarsest level (multigrid.c). */
+typedef struct {
+  MpmLevelsChoice levels;
+  PetscInt        smoother, smooths, coarse;
+} MpmMultigrid;
+
 /* Iterations of the last step, and of all steps. */
 typedef struct {
   PetscInt   newton, linear;
@@ -131,6 +138,7 @@ typedef struct {
   MpmMonitor        *monitor;
   MpmDatabase       *database; /* the model's options: presets go there */
   MpmPreset          preset;
+  MpmMultigrid       multigrid;
   MpmDefiniteness    definite;
   MpmAtRest          at_rest;
   MpmJacobian        jacobian;
@@ -192,6 +200,13 @@ PetscBool      MpmFieldsplitServes(const MpmLayout *layout);
 PetscErrorCode MpmFieldsplitAttach(MpmSolver *solver);
 PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver);
 PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split);
+/*
+  Multigrid on coarser lattices (multigrid.c). Apply: PETSc's options that follow from those of the scene. Attach: nodes
+  of the step, for a new preconditioner of that kind.
+*/
+PetscErrorCode MpmMultigridSetFromOptions(MpmMultigrid *multigrid, const MpmOptions *options);
+PetscErrorCode MpmMultigridApply(MpmSolver *solver);
+PetscErrorCode MpmMultigridAttach(MpmSolver *solver);
 /* The residual that tolerances refer to: that at the step's start. */
 PetscErrorCode MpmSolverSetReference(MpmSolver *solver, Vec f);
 /*

@@ -19,7 +19,7 @@ static PetscErrorCode CreateSNES(MpmSolver *solver)
 {
   KSP       ksp;
   PC        pc;
-  PetscBool band;
+  PetscBool band, levels;
 
   PetscFunctionBeginUser;
   PetscCall(SNESCreate(solver->disc->comm, &solver->snes));
@@ -35,10 +35,9 @@ static PetscErrorCode CreateSNES(MpmSolver *solver)
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &solver->jacobian.unused, PCNONE, PCJACOBI, PCPBJACOBI, PCSHELL,
                                       PCMAT, ""));
   PetscCall(MpmBandIs(pc, &band));
-  if (band) {
-    solver->preset.factorises = PETSC_TRUE;
-    solver->jacobian.unused   = PETSC_FALSE;
-  }
+  PetscCall(MpmLevelsIs(pc, &levels));
+  if (band) solver->preset.factorises = PETSC_TRUE;
+  if (band || levels) solver->jacobian.unused = PETSC_FALSE;
   solver->jacobian.unused = (PetscBool)(solver->jacobian.unused && solver->jacobian.form == MPM_JACOBIAN_MATFREE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -136,12 +135,14 @@ PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *opti
   PetscCall(ReadType(options, "mat_type", "PETSc type of the Jacobian", MATAIJ, solver->jacobian.mat_type));
   PetscCall(ReadType(options, "vec_type", "PETSc type of the vectors", VECSTANDARD, solver->jacobian.vec_type));
   PetscCall(MpmBandRegister());
+  PetscCall(MpmLevelsRegister());
   PetscCall(CheckTypes(solver));
   solver->cache.reuse.allowed = solver->jacobian.keeps_tangents = PETSC_TRUE;
   PetscCall(MpmOptionsBool(options, "newton_lag", "keep a Jacobian where a new one would not pay",
                            &solver->cache.reuse.allowed, NULL));
   PetscCall(MpmOptionsBool(options, "matfree_tangents", "keep the points' tangents for jacobian: matfree",
                            &solver->jacobian.keeps_tangents, NULL));
+  PetscCall(MpmMultigridSetFromOptions(&solver->multigrid, options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -166,6 +167,7 @@ static PetscErrorCode CreateObjects(MpmSolver *solver)
   PetscCall(VecSetFromOptions(solver->x));
   PetscCall(VecDuplicate(solver->x, &solver->f));
   PetscCall(MpmFieldsplitAttach(solver));
+  PetscCall(MpmMultigridAttach(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -230,6 +232,7 @@ PetscErrorCode MpmSolverRenew(MpmSolver *solver)
   PetscCall(SNESDestroy(&solver->snes));
   PetscCall(CreateSNES(solver));
   PetscCall(MpmFieldsplitAttach(solver));
+  PetscCall(MpmMultigridAttach(solver));
   PetscCall(MpmNewtonSetMats(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

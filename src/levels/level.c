@@ -1,0 +1,518 @@
+/*
+  A level's nodes from those of the next finer one: every fine node names the coarse ones that its value comes from
+  (two_scale.h), the owners number them, and the answers make the interpolation. Arrays are as large as the lattice
+  around a rank's nodes. A coarse node belongs to the rank that owns its place on the grid.
+*/
+#include "grid/grid.h"
+#include "space/space.h"
+#include "bc/bc.h"
+#include "levels/level.h"
+#include "levels/two_scale.h"
+
+#define NUMBERS (MPM_MAX_DIM + 1)          /* of a node: three indices, and its part */
+#define HELD    MPM_MAX_BLOCK              /* of a node's bits: from here on those of prescribed components */
+#define PRESENT (1 << (2 * MPM_MAX_BLOCK)) /* some fine node names it */
+
+/* A box of lattice nodes of all parts with a number each. */
+typedef struct {
+  PetscInt  lower[NUMBERS], size[NUMBERS];
+  PetscInt *value;
+} Map;
+
+/* For each index of an axis of the fine lattice: the coarse nodes and their shares. */
+typedef struct {
+  PetscInt   lower; /* fine index of the first entry */
+  PetscInt  *first, *count;
+  PetscReal *weight; /* MPM_TWO_SCALE_MOST an entry */
+} Axis;
+
+typedef struct {
+  const MpmLevelRules *rules;
+  const MpmLevel      *fine;
+  MpmLevel            *coarse;
+  PetscInt             step[MPM_MAX_DIM]; /* cells that become one, by axis */
+  Axis                 axis[MPM_MAX_DIM];
+  Map                  named, own; /* coarse nodes named by this rank, and its own */
+} Coarsening;
+
+PetscErrorCode MpmLevelDestroy(MpmLevel *level)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscFree(level->at));
+  PetscCall(PetscFree2(level->free, level->held));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLevelOfSpace(const MpmSpace *space, const MpmConstraints *constraints, const MpmGrid *grid,
+                               MpmLevel *level)
+{
+  const PetscInt bs = constraints->block;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(level, sizeof(*level)));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    level->ratio[a] = 1;
+    level->last[a]  = grid->nodes[a] - 1;
+  }
+  level->parts = PetscMax(space->parts.count, 1);
+  level->owned = space->owned;
+  level->begin = space->number.begin;
+  level->count = space->number.count;
+  PetscCall(PetscMalloc1((space->owned * NUMBERS), &level->at));
+  PetscCall(PetscCalloc2(space->owned, &level->free, space->owned, &level->held));
+  for (PetscInt i = 0; i < space->owned; i++) {
+    const PetscInt *node = &space->node[i * space->dim];
+
+    MpmSpaceAt(space, node, &level->at[i * NUMBERS]);
+    level->at[i * NUMBERS + MPM_MAX_DIM] = MpmSpacePart(space, node);
+    for (PetscInt c = 0; c < bs; c++) {
+      const PetscInt condition = constraints->condition[i * bs + c];
+
+      if (condition == MPM_FREE) level->free[i] |= 1 << c;
+      if (condition >= 0 || condition == MPM_HELD) level->held[i] |= 1 << c;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- maps ---- */
+
+static void MapClear(Map *map)
+{
+  for (PetscInt a = 0; a < NUMBERS; a++) {
+    map->lower[a] = PETSC_INT_MAX;
+    map->size[a]  = 0;
+  }
+}
+
+/* Widens a map that has no values yet. */
+static void MapInclude(Map *map, const PetscInt at[])
+{
+  for (PetscInt a = 0; a < NUMBERS; a++) {
+    const PetscInt end = map->size[a] ? PetscMax(map->lower[a] + map->size[a], at[a] + 1) : at[a] + 1;
+
+    map->lower[a] = PetscMin(map->lower[a], at[a]);
+    map->size[a]  = end - map->lower[a];
+  }
+}
+
+static PetscInt MapSize(const Map *map)
+{
+  return map->size[0] * map->size[1] * map->size[2] * map->size[3];
+}
+
+static PetscInt *MapAt(const Map *map, const PetscInt at[])
+{
+  PetscInt place = 0;
+
+  for (PetscInt a = MPM_MAX_DIM; a >= 0; a--) place = place * map->size[a] + at[a] - map->lower[a];
+  return &map->value[place];
+}
+
+/* The node of a place in the map's array. */
+static void MapNode(const Map *map, PetscInt place, PetscInt at[])
+{
+  for (PetscInt a = 0; a < NUMBERS; a++) {
+    at[a] = map->lower[a] + place % map->size[a];
+    place /= map->size[a];
+  }
+}
+
+/* ---- relations ---- */
+
+/* Relations of the axes, at the indices of this rank's nodes. */
+static PetscErrorCode MakeAxes(Coarsening *to, PetscInt places)
+{
+  const MpmLevel *fine = to->fine;
+
+  PetscFunctionBeginUser;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const MpmTwoScale relation = {.degree = to->rules->degree,
+                                  .ratio  = to->step[a],
+                                  .edge   = to->rules->edge,
+                                  .fine   = fine->last[a],
+                                  .coarse = to->coarse->last[a]};
+    Axis             *axis     = &to->axis[a];
+    PetscInt          end      = 0;
+
+    axis->lower = places ? PETSC_INT_MAX : 0;
+    for (PetscInt i = 0; i < places; i++) {
+      axis->lower = PetscMin(axis->lower, fine->at[i * NUMBERS + a]);
+      end         = PetscMax(end, fine->at[i * NUMBERS + a] + 1);
+    }
+    PetscCall(PetscMalloc3((end - axis->lower), &axis->first, (end - axis->lower), &axis->count,
+                           ((end - axis->lower) * MPM_TWO_SCALE_MOST), &axis->weight));
+    for (PetscInt k = 0; k < end - axis->lower; k++) {
+      axis->first[k]                       = axis->lower + k;
+      axis->count[k]                       = 1;
+      axis->weight[k * MPM_TWO_SCALE_MOST] = 1.;
+      if (to->step[a] > 1)
+        axis->count[k] =
+          MpmTwoScaleRow(&relation, axis->lower + k, &axis->first[k], &axis->weight[k * MPM_TWO_SCALE_MOST]);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The coarse nodes of fine node i: a box of `count` from `first` on, and their shares along the axes. */
+typedef struct {
+  PetscInt         first[NUMBERS], count[MPM_MAX_DIM], total;
+  const PetscReal *weight[MPM_MAX_DIM];
+} Parents;
+
+static Parents ParentsOf(const Coarsening *to, PetscInt i)
+{
+  const PetscInt *at = &to->fine->at[i * NUMBERS];
+  Parents         of = {.total = 1};
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const Axis    *axis = &to->axis[a];
+    const PetscInt k    = at[a] - axis->lower;
+
+    of.first[a]  = axis->first[k];
+    of.count[a]  = axis->count[k];
+    of.weight[a] = &axis->weight[k * MPM_TWO_SCALE_MOST];
+    of.total *= of.count[a];
+  }
+  of.first[MPM_MAX_DIM] = at[MPM_MAX_DIM];
+  return of;
+}
+
+/* The k-th of them; returns its share. */
+static PetscReal ParentAt(const Parents *of, PetscInt k, PetscInt at[])
+{
+  PetscReal share = 1.;
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const PetscInt j = k % of->count[a];
+
+    at[a] = of->first[a] + j;
+    share *= of->weight[a][j];
+    k /= of->count[a];
+  }
+  at[MPM_MAX_DIM] = of->first[MPM_MAX_DIM];
+  return share;
+}
+
+/* Bits of the coarse nodes that this rank's nodes name: what is solved for at any of these, in components by axes. */
+static PetscErrorCode NameNodes(Coarsening *to, PetscInt places, const MpmConstraints *constraints)
+{
+  PetscInt at[NUMBERS];
+
+  PetscFunctionBeginUser;
+  MapClear(&to->named);
+  for (PetscInt i = 0; i < places; i++) {
+    const Parents of = ParentsOf(to, i);
+
+    MapInclude(&to->named, of.first);
+    (void)ParentAt(&of, of.total - 1, at);
+    MapInclude(&to->named, at);
+  }
+  PetscCall(PetscCalloc1(MapSize(&to->named), &to->named.value));
+  for (PetscInt i = 0; i < places; i++) {
+    const Parents of   = ParentsOf(to, i);
+    PetscInt      bits = to->fine->free[i] | PRESENT;
+
+    if (constraints && MpmConstraintsFrame(constraints, i) && bits > PRESENT) bits |= (1 << HELD) - 1;
+    for (PetscInt k = 0; k < of.total; k++) {
+      (void)ParentAt(&of, k, at);
+      *MapAt(&to->named, at) |= bits;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- numbers ---- */
+
+static PetscMPIInt OwnerOf(const Coarsening *to, const PetscInt at[])
+{
+  PetscInt node[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) node[a] = at[a] * to->coarse->ratio[a];
+  return MpmGridNodeOwner(to->rules->grid, node);
+}
+
+#define ASKED (NUMBERS + 1) /* numbers of a question: node and bits */
+
+/* The named nodes of other ranks. */
+static PetscErrorCode ListForeign(const Coarsening *to, MpmLists *lists)
+{
+  const MpmGrid *grid = to->rules->grid;
+  const PetscInt size = MapSize(&to->named);
+  PetscInt      *slot, *fill, at[NUMBERS];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1(grid->size, &slot));
+  for (PetscInt place = 0; place < size && grid->size > 1; place++) {
+    MapNode(&to->named, place, at);
+    if (to->named.value[place]) slot[OwnerOf(to, at)]++;
+  }
+  slot[grid->rank] = 0;
+  for (PetscMPIInt r = 0; r < grid->size; r++) lists->count += slot[r] > 0;
+  PetscCall(PetscMalloc1(lists->count, &lists->rank));
+  PetscCall(PetscMalloc1((lists->count + 1), &lists->offset));
+  PetscCall(PetscMalloc1(lists->count, &fill));
+  lists->offset[0] = 0;
+  for (PetscMPIInt r = 0, k = 0; r < grid->size; r++) {
+    const PetscInt wanted = slot[r];
+
+    slot[r] = wanted ? k : -1;
+    if (!wanted) continue;
+    lists->rank[k]       = r;
+    lists->offset[k + 1] = lists->offset[k] + wanted * ASKED;
+    fill[k]              = lists->offset[k];
+    k++;
+  }
+  PetscCall(PetscMalloc1(lists->offset[lists->count], &lists->data));
+  for (PetscInt place = 0; place < size && lists->count; place++) {
+    PetscInt k;
+
+    MapNode(&to->named, place, at);
+    if (!to->named.value[place] || (k = slot[OwnerOf(to, at)]) < 0) continue;
+    for (PetscInt a = 0; a < NUMBERS; a++) lists->data[fill[k]++] = at[a];
+    lists->data[fill[k]++] = to->named.value[place];
+  }
+  PetscCall(PetscFree(fill));
+  PetscCall(PetscFree(slot));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Bits of the own nodes, named by any rank. */
+static PetscErrorCode CollectOwn(Coarsening *to, const MpmLists *wanted)
+{
+  const PetscInt size = MapSize(&to->named), end = wanted->offset[wanted->count];
+  PetscInt       at[NUMBERS];
+
+  PetscFunctionBeginUser;
+  MapClear(&to->own);
+  for (PetscInt pass = 0; pass < 2; pass++) {
+    if (pass) PetscCall(PetscCalloc1(MapSize(&to->own), &to->own.value));
+    for (PetscInt place = 0; place < size; place++) {
+      MapNode(&to->named, place, at);
+      if (!to->named.value[place] || OwnerOf(to, at) != to->rules->grid->rank) continue;
+      if (pass) *MapAt(&to->own, at) |= to->named.value[place];
+      else MapInclude(&to->own, at);
+    }
+    for (PetscInt k = 0; k < end; k += ASKED) {
+      if (pass) *MapAt(&to->own, &wanted->data[k]) |= wanted->data[k + NUMBERS];
+      else MapInclude(&to->own, &wanted->data[k]);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* An unknown that is prescribed at a fine node is prescribed at the coarse node in its place. */
+static void HoldCoarse(const Coarsening *to, PetscInt places, const MpmConstraints *constraints)
+{
+  for (PetscInt i = 0; i < places; i++) {
+    PetscInt  at[NUMBERS], held = to->fine->held[i];
+    PetscBool coarse = PETSC_TRUE;
+
+    for (PetscInt a = 0; a < NUMBERS; a++) {
+      const PetscInt step = a < MPM_MAX_DIM ? to->step[a] : 1;
+
+      at[a] = to->fine->at[i * NUMBERS + a] / step;
+      if (at[a] * step != to->fine->at[i * NUMBERS + a]) coarse = PETSC_FALSE;
+    }
+    if (constraints && MpmConstraintsFrame(constraints, i) && to->fine->free[i]) held = 0;
+    if (coarse) *MapAt(&to->own, at) |= held << HELD;
+  }
+}
+
+/* The coarse level's own nodes; their numbers, counted from one, replace their bits. */
+static PetscErrorCode NumberOwn(Coarsening *to)
+{
+  const MpmLevelRules *rules  = to->rules;
+  MpmLevel            *coarse = to->coarse;
+  const PetscInt       size   = MapSize(&to->own);
+  const PetscBool      last   = (PetscBool)(rules->grid->rank == rules->grid->size - 1);
+  PetscInt             node = 0, extra = last ? rules->extra : 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt place = 0; place < size; place++) node += to->own.value[place] != 0;
+  coarse->owned = node + extra;
+  PetscCallMPI(MPI_Scan(&coarse->owned, &coarse->begin, 1, MPIU_INT, MPI_SUM, rules->comm));
+  coarse->begin -= coarse->owned;
+  PetscCall(MPIU_Allreduce(&coarse->owned, &coarse->count, 1, MPIU_INT, MPI_SUM, rules->comm));
+  PetscCall(PetscCalloc1((coarse->owned * NUMBERS), &coarse->at));
+  PetscCall(PetscCalloc2(coarse->owned, &coarse->free, coarse->owned, &coarse->held));
+  node = 0;
+  for (PetscInt place = 0; place < size; place++) {
+    if (!to->own.value[place]) continue;
+    MapNode(&to->own, place, &coarse->at[node * NUMBERS]);
+    coarse->held[node]   = to->own.value[place] >> HELD & ((1 << HELD) - 1);
+    coarse->free[node]   = to->own.value[place] & ((1 << HELD) - 1) & ~coarse->held[node];
+    to->own.value[place] = 1 + coarse->begin + node++;
+  }
+  for (PetscInt k = 0; k < extra; k++) coarse->free[node + k] = to->fine->free[to->fine->owned - extra + k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Numbers of the named nodes, counted from one. */
+static PetscErrorCode NumberNamed(Coarsening *to, const MpmLists *foreign, const MpmLists *wanted)
+{
+  const PetscInt size   = MapSize(&to->named);
+  MpmLists       answer = {.count = wanted->count}, numbers = {0};
+  PetscInt       at[NUMBERS];
+
+  PetscFunctionBeginUser;
+  for (PetscInt place = 0; place < size; place++) {
+    MapNode(&to->named, place, at);
+    if (to->named.value[place] && OwnerOf(to, at) == to->rules->grid->rank)
+      to->named.value[place] = *MapAt(&to->own, at);
+  }
+  if (to->rules->grid->size == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(wanted->count, &answer.rank));
+  PetscCall(PetscMalloc1((wanted->count + 1), &answer.offset));
+  PetscCall(PetscMalloc1(wanted->offset[wanted->count] / ASKED, &answer.data));
+  for (PetscInt k = 0; k <= wanted->count; k++) answer.offset[k] = wanted->offset[k] / ASKED;
+  PetscCall(PetscArraycpy(answer.rank, wanted->rank, wanted->count));
+  for (PetscInt k = 0; k < answer.offset[wanted->count]; k++)
+    answer.data[k] = *MapAt(&to->own, &wanted->data[k * ASKED]);
+  PetscCall(MpmListsExchange(to->rules->comm, &answer, &numbers));
+  for (PetscInt k = 0; k < foreign->count; k++) {
+    PetscInt from = 0;
+
+    while (numbers.rank[from] != foreign->rank[k]) from++;
+    for (PetscInt i = 0; i < (foreign->offset[k + 1] - foreign->offset[k]) / ASKED; i++)
+      *MapAt(&to->named, &foreign->data[foreign->offset[k] + i * ASKED]) = numbers.data[numbers.offset[from] + i];
+  }
+  PetscCall(MpmListsDestroy(&answer));
+  PetscCall(MpmListsDestroy(&numbers));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode NumberNodes(Coarsening *to, PetscInt places, const MpmConstraints *constraints)
+{
+  MpmLists foreign = {0}, wanted = {0};
+
+  PetscFunctionBeginUser;
+  PetscCall(ListForeign(to, &foreign));
+  if (to->rules->grid->size > 1) PetscCall(MpmListsExchange(to->rules->comm, &foreign, &wanted));
+  else PetscCall(PetscCalloc1(1, &wanted.offset));
+  PetscCall(CollectOwn(to, &wanted));
+  HoldCoarse(to, places, constraints);
+  PetscCall(NumberOwn(to));
+  PetscCall(NumberNamed(to, &foreign, &wanted));
+  PetscCall(MpmListsDestroy(&foreign));
+  PetscCall(MpmListsDestroy(&wanted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- interpolation ---- */
+
+/* Rows of the interpolation that this rank owns. */
+typedef struct {
+  PetscInt    *begin, *column;
+  PetscScalar *value;
+} Rows;
+
+/* The rows of fine node i, component by component: a node with a frame has its components along the axes of that. */
+static void FillRows(const Coarsening *to, PetscInt i, const MpmFrame *frame, PetscInt dim, Rows *rows)
+{
+  const Parents  of = ParentsOf(to, i);
+  const PetscInt bs = to->rules->block;
+  PetscInt       at[NUMBERS];
+
+  for (PetscInt c = 0; c < bs; c++) {
+    const PetscBool turned = (PetscBool)(frame && c < dim), free = (PetscBool)(to->fine->free[i] >> c & 1);
+    PetscInt        fill = rows->begin[i * bs + c];
+
+    for (PetscInt k = 0; k < of.total; k++) {
+      const PetscReal share = free ? ParentAt(&of, k, at) : (ParentAt(&of, k, at), 0.);
+      const PetscInt  node  = *MapAt(&to->named, at) - 1;
+
+      for (PetscInt d = turned ? 0 : c; d < (turned ? dim : c + 1); d++) {
+        rows->column[fill]  = node * bs + d;
+        rows->value[fill++] = turned ? frame->axis[c][d] * share : share;
+      }
+    }
+    rows->begin[i * bs + c + 1] = fill;
+  }
+}
+
+/* Unknowns of nodes without a place stay on all levels. */
+static void FillExtraRows(const Coarsening *to, PetscInt places, Rows *rows)
+{
+  const PetscInt bs = to->rules->block, first = to->coarse->begin + to->coarse->owned - (to->fine->owned - places);
+
+  for (PetscInt k = 0; k < (to->fine->owned - places) * bs; k++) {
+    const PetscInt row = places * bs + k;
+
+    rows->column[rows->begin[row]] = first * bs + k;
+    rows->value[rows->begin[row]]  = 1.;
+    rows->begin[row + 1]           = rows->begin[row] + 1;
+  }
+}
+
+/* Clears the columns of unknowns that are not solved for on the coarse level. */
+static PetscErrorCode ClearHeld(const Coarsening *to, Mat interpolation)
+{
+  const PetscInt bs = to->rules->block;
+  PetscScalar   *value;
+  Vec            keep;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatCreateVecs(interpolation, &keep, NULL));
+  PetscCall(VecGetArrayWrite(keep, &value));
+  for (PetscInt k = 0; k < to->coarse->owned * bs; k++) value[k] = to->coarse->free[k / bs] >> k % bs & 1 ? 1. : 0.;
+  PetscCall(VecRestoreArrayWrite(keep, &value));
+  PetscCall(MatDiagonalScale(interpolation, NULL, keep));
+  PetscCall(VecDestroy(&keep));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode MakeInterpolation(const Coarsening *to, PetscInt places, const MpmConstraints *constraints,
+                                        Mat *interpolation)
+{
+  const PetscInt bs = to->rules->block, owned = to->fine->owned * bs, dim = constraints ? constraints->dim : bs;
+  size_t         entries = (size_t)((to->fine->owned - places) * bs);
+  Rows           rows;
+
+  PetscFunctionBeginUser;
+  for (PetscInt i = 0; i < places; i++) {
+    const Parents of = ParentsOf(to, i);
+
+    entries += (size_t)(of.total * (constraints && MpmConstraintsFrame(constraints, i) ? dim * dim + bs - dim : bs));
+  }
+  PetscCall(PetscMalloc3((owned + 1), &rows.begin, entries, &rows.column, entries, &rows.value));
+  rows.begin[0] = 0;
+  for (PetscInt i = 0; i < places; i++)
+    FillRows(to, i, constraints ? MpmConstraintsFrame(constraints, i) : NULL, dim, &rows);
+  FillExtraRows(to, places, &rows);
+  PetscCall(MatCreate(to->rules->comm, interpolation));
+  PetscCall(MatSetSizes(*interpolation, owned, to->coarse->owned * bs, to->fine->count * bs, to->coarse->count * bs));
+  PetscCall(MatSetBlockSizes(*interpolation, bs, bs));
+  PetscCall(MatSetType(*interpolation, MATAIJ));
+  PetscCall(MatSeqAIJSetPreallocationCSR(*interpolation, rows.begin, rows.column, rows.value));
+  PetscCall(MatMPIAIJSetPreallocationCSR(*interpolation, rows.begin, rows.column, rows.value));
+  PetscCall(PetscFree3(rows.begin, rows.column, rows.value));
+  PetscCall(ClearHeld(to, *interpolation));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLevelCoarsen(const MpmLevelRules *rules, const MpmLevel *fine, const MpmConstraints *constraints,
+                               MpmLevel *coarse, Mat *interpolation)
+{
+  const PetscBool last   = (PetscBool)(rules->grid->rank == rules->grid->size - 1);
+  const PetscInt  places = fine->owned - (last ? rules->extra : 0);
+  Coarsening      to     = {.rules = rules, .fine = fine, .coarse = coarse};
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMemzero(coarse, sizeof(*coarse)));
+  coarse->parts = fine->parts;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    to.step[a]       = fine->last[a] > 1 ? rules->coarsen : 1;
+    coarse->ratio[a] = fine->ratio[a] * to.step[a];
+    coarse->last[a]  = (fine->last[a] + to.step[a] - 1) / to.step[a];
+  }
+  PetscCall(MakeAxes(&to, places));
+  PetscCall(NameNodes(&to, places, constraints));
+  PetscCall(NumberNodes(&to, places, constraints));
+  PetscCall(MakeInterpolation(&to, places, constraints, interpolation));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    PetscCall(PetscFree3(to.axis[a].first, to.axis[a].count, to.axis[a].weight));
+  PetscCall(PetscFree(to.named.value));
+  PetscCall(PetscFree(to.own.value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,52 @@
+#pragma once
+/*
+  Levels of multigrid: nodes of coarser lattices under the active nodes of a step, and the interpolation between them.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "grid/shape.h"
+
+/* Shapes and coarsening that all levels have. */
+typedef struct {
+  MPI_Comm       comm;
+  const MpmGrid *grid;         /* the finest level's, which says who owns a place */
+  PetscInt       block, extra; /* unknowns a node, and nodes without a place, which all levels have */
+  PetscInt       degree;
+  MpmEdgeType    edge;
+  PetscInt       coarsen; /* cells an axis that become one */
+} MpmLevelRules;
+
+/* The nodes of a level that this rank owns; last those without a place. */
+typedef struct {
+  PetscInt  ratio[MPM_MAX_DIM]; /* cells of the finest level in one, by axis */
+  PetscInt  last[MPM_MAX_DIM];  /* index of the last node on each axis; 0 on unused axes */
+  PetscInt  parts;
+  PetscInt  owned, begin, count; /* own nodes, the first one's number, nodes of all ranks */
+  PetscInt *at;                  /* indices on the three axes, and the part, by node */
+  PetscInt *free, *held;         /* a bit for each component that is solved for, and that is prescribed */
+} MpmLevel;
+
+/* Nodes, and what is solved for, of a step's space. */
+PetscErrorCode MpmLevelOfSpace(const MpmSpace *space, const MpmConstraints *constraints, const MpmGrid *grid,
+                               MpmLevel *level);
+/*
+  MpmLevelCoarsen - the next coarser level, and the interpolation from it
+
+  Collective
+
+  Input Parameters:
++ rules       - of all levels
+. fine        - the level
+- constraints - frames of its nodes where it is the finest one, or NULL
+
+  Output Parameters:
++ coarse        - nodes of the coarser lattice that any unknown of the fine level depends on
+- interpolation - fine unknowns by coarse ones; zero for unknowns that are not solved for on either level
+
+  Notes:
+  A coarse unknown is not solved for where the fine one at its place is prescribed, or where no fine unknown that is
+  solved for depends on it. The matrix has entries for all components of all nodes: products with it have a diagonal.
+*/
+PetscErrorCode MpmLevelCoarsen(const MpmLevelRules *rules, const MpmLevel *fine, const MpmConstraints *constraints,
+                               MpmLevel *coarse, Mat *interpolation);
+PetscErrorCode MpmLevelDestroy(MpmLevel *level);

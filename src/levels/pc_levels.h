@@ -1,0 +1,32 @@
+#pragma once
+/*
+  PC type `levels`: multigrid on coarser lattices.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include <petscksp.h>
+
+/* Most levels. */
+#define MPM_LEVELS_MOST 12
+
+/* Choices of the scene (-mpm_multigrid_...). */
+typedef struct {
+  PetscInt     levels;  /* 0: auto */
+  PetscInt     coarsen; /* cells an axis that become one */
+  MpmShapeType shape;
+  MpmEdgeType  edge;
+} MpmLevelsChoice;
+
+/* The step's nodes, and what holds them. */
+typedef struct {
+  const MpmGrid        *grid;
+  const MpmSpace       *space;
+  const MpmConstraints *constraints;
+  const MpmLayout      *layout;
+} MpmLevelsStep;
+
+/* Makes the type known to PETSc; true for a preconditioner of that type. */
+PetscErrorCode MpmLevelsRegister(void);
+PetscErrorCode MpmLevelsIs(PC pc, PetscBool *is);
+/* Data of the levels, borrowed, where the preconditioner is of that type. */
+PetscErrorCode MpmLevelsAttach(PC pc, const MpmLevelsChoice *choice, const MpmLevelsStep *step);

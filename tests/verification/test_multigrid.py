@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""Multigrid on coarser lattices: few iterations that do not grow with the grid, whatever the shape, and the answer of a direct
+solver, on any number of ranks; with inclined rollers, contact, small cuts and cells that do not divide; refused settings."""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Test, example  # noqa: E402
+
+BLOCK = Path(__file__).resolve().parent / "levels.yaml"
+HMG = {"mpm_solver": "hmg"}
+SHAPES = (("linear", 8, {}), ("gimp_bspline2", 30, {"mpm_multigrid_coarsen": 3}))
+
+
+def iterations(run):
+    """Of a linear solve."""
+    return np.sum(run.results.column("linear")) / np.sum(run.results.column("newton"))
+
+
+def apart(one, other, column="track_top_uz"):
+    a, b = one.results.column(column), other.results.column(column)
+    return np.max(np.abs(a - b)) / np.max(np.abs(a))
+
+
+def grids(test):
+    """Linear functions and their averages: to 1e-10 at most 8 iterations, one more a refinement."""
+    for shape in ("gimp",):
+        coarse, fine = (test.run(BLOCK, mpm_shape=shape, mpm_grid_refine=refine, ksp_rtol=1e-10, **HMG) for refine in (1, 2))
+        test.check(f"{shape}.most", max(iterations(coarse), iterations(fine)), None, 8)
+        test.check(f"{shape}.growth", iterations(fine) - iterations(coarse), None, 1)
+
+
+def answers(test):
+    """The answer does not depend on solver, levels, smoother or ranks."""
+    for shape, most, options in SHAPES:
+        run = test.run(BLOCK, mpm_shape=shape, **options, **HMG)
+        test.check(f"{shape}.iterations", iterations(run), None, most)
+        test.check(f"{shape}.direct", apart(test.run(BLOCK, mpm_shape=shape, mpm_solver="direct"), run), None, 1e-9)
+    direct = test.run(BLOCK, mpm_solver="direct")
+    for name, options in (("levels", {"mpm_multigrid_levels": 3}), ("pbjacobi", {"mpm_multigrid_smoother": "pbjacobi"}),
+                          ("gamg", {"mpm_multigrid_coarse": "gamg", "mpm_multigrid_smooths": 2}),
+                          ("matfree", {"mpm_jacobian": "matfree"}), ("uneven", {"mpm_multigrid_coarsen": 3})):
+        test.check(name, apart(direct, test.run(BLOCK, **options, **HMG)), None, 1e-9)
+    three = test.run(BLOCK, ranks=3, mpm_multigrid_levels=3, **HMG)
+    test.check("on_3", apart(direct, three), None, 1e-9)
+    test.check("on_3.iterations", iterations(three), None, 8)
+
+
+def scenes(test):
+    """Rollers at an angle, and contact with a Jacobian that is not symmetric: as many Newton iterations as a direct solver."""
+    for name, scene, options in (("rollers", BLOCK.parent / "rollers.yaml", {}), ("two_supports", example("two_supports"), {})):
+        one, other = (test.run(scene, mpm_solver=solver, **options) for solver in ("direct", "hmg"))
+        test.check(f"{name}.newton", np.sum(other.results.column("newton")) / np.sum(one.results.column("newton")), None, 1.5)
+        test.check(f"{name}.iterations", iterations(other), None, 25)
+
+
+def refused(test):
+    for name, value, message in (("multigrid_levels", 1, "must be auto or a number"),
+                                 ("multigrid_levels", "many", "must be auto or a number"),
+                                 ("multigrid_coarsen", 4, "-mpm_multigrid_coarsen"),
+                                 ("multigrid_smoother", "sponge", "-mpm_multigrid_smoother"),
+                                 ("mat_type", "baij", "not available with -mpm_solver hmg")):
+        run = test.run(BLOCK, status=2, **{f"mpm_{name}": value}, **HMG)
+        test.check(f"{name}.{value}", message in run.errors, True, True)
+
+
+with Test() as harness:
+    grids(harness)
+    answers(harness)
+    scenes(harness)
+    refused(harness)
