@@ -28,12 +28,17 @@ static PetscErrorCode Sum(MpmModel model, PetscInt first, PetscInt count, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmEntrainmentEnter(MpmModel model, PetscInt first, PetscInt count)
+PetscErrorCode MpmEntrainmentEnter(MpmModel model, PetscInt first, PetscInt count, PetscReal since)
 {
   PetscReal sums[3];
+  MpmPoints points;
 
   PetscFunctionBeginUser;
   if (!model->entrainment) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  for (PetscInt k = 2 * first; k < 2 * (first + count); k++)
+    points.x[k] += (model->state.time - since) * points.motion.velocity[k];
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(Sum(model, first, count, NULL, sums));
   model->entrainment->account.in += sums[0];
   for (PetscInt a = 0; a < 2; a++) model->entrainment->account.carried[a] += sums[1 + a];

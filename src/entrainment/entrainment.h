@@ -39,8 +39,8 @@ PetscErrorCode MpmEntrainmentRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmEntrainmentDestroy(MpmModel model);
 /* The term of the model's problem, behind that of the bed. */
 PetscErrorCode MpmEntrainmentAddTerm(MpmModel model);
-/* Points [first, first + count) of this rank have come in. Collective. */
-PetscErrorCode MpmEntrainmentEnter(MpmModel model, PetscInt first, PetscInt count);
+/* Points [first, first + count) of this rank come in: they go on to their places since this time, s. Collective. */
+PetscErrorCode MpmEntrainmentEnter(MpmModel model, PetscInt first, PetscInt count, PetscReal since);
 /* Points of this rank at these places are about to be removed. Collective. */
 PetscErrorCode MpmEntrainmentLeave(MpmModel model, PetscInt count, const PetscInt place[]);
 /* This rank's points without mass, ascending, to be freed; `count` over all ranks. Collective. */

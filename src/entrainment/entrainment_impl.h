@@ -4,6 +4,7 @@
 */
 #include "assembly/terms.h"
 #include "entrainment/entrainment.h"
+#include "handover/hydrograph.h"
 #include "maps/bed.h"
 #include "terrain/bed_flow.h"
 
@@ -34,8 +35,17 @@ struct MpmEntrainment {
   struct {
     PetscReal speed, rate; /* m/s */
   } deposition;
-  MpmEntrainmentAccount account;
+  PetscInt                inlets;
+  const struct MpmInlet **inlet;
+  const PetscReal        *time; /* of the run, s */
+  PetscReal              *push; /* of the inlets in the last increment, N, two a local node */
+  PetscInt                room; /* nodes */
+  MpmEntrainmentAccount   account;
 };
+
+/* Inlets hold the velocity of the nodes about them (inlets.c): the force for that, N, into `push`. */
+PetscErrorCode MpmInletsHold(MpmEntrainment *of, const MpmSum *sum, const PetscReal mass[], PetscReal kick,
+                             PetscReal velocity[]);
 
 extern const MpmTerm MpmTermEntrainment;
 

@@ -4,6 +4,8 @@
 #include "talus/point/basal.h"
 #include "base/rows.h"
 #include "options/options.h"
+#include "handover/handover.h"
+#include "particles/body.h"
 #include "point/basal_map.h"
 #include "entrainment/entrainment_impl.h"
 
@@ -107,6 +109,21 @@ static PetscErrorCode AddRows(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Those of the bodies. */
+static PetscErrorCode FindInlets(const MpmBodies *bodies, MpmEntrainment *of)
+{
+  PetscFunctionBeginUser;
+  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; b < bodies->count; b++) {
+    const struct MpmHandover *from = MpmBodyHandover(bodies->at[b]);
+
+    if (!from || !from->inlet) continue;
+    PetscCall(PetscRealloc(sizeof(*of->inlet) * (size_t)(of->inlets + 1), &of->inlet));
+    of->inlet[of->inlets++] = from->inlet;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmEntrainmentRead(MpmModel model, const MpmOptions *options)
 {
   MpmBed         *bed = model->scene.deformation.bed;
@@ -119,14 +136,18 @@ PetscErrorCode MpmEntrainmentRead(MpmModel model, const MpmOptions *options)
   of->bed            = bed;
   PetscCall(ReadErosion(options, of));
   PetscCall(ReadDeposition(options, of));
-  if (MpmOptionsHelp() || !(of->erodes || of->deposits)) {
+  PetscCall(FindInlets(model->scene.bodies, of));
+  if (MpmOptionsHelp() || !(of->erodes || of->deposits || of->inlets)) {
     PetscCall(MpmEntrainmentDestroy(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   of->flow       = model->disc.context.bed;
   of->dissipated = &model->state.scheme.energy.dissipated;
-  PetscCall(MpmBedChangeCreate(model->disc.grid, bed));
-  PetscCall(PetscMalloc1(1, &of->flow->shear));
+  of->time       = &model->state.time;
+  if (of->erodes || of->deposits) {
+    PetscCall(MpmBedChangeCreate(model->disc.grid, bed));
+    PetscCall(PetscMalloc1(1, &of->flow->shear));
+  }
   PetscCall(AddRows(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -139,6 +160,8 @@ PetscErrorCode MpmEntrainmentDestroy(MpmModel model)
   if (!of) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMapDestroy(&of->erosion.depth.map));
   PetscCall(MpmMapDestroy(&of->erosion.strength.map));
+  PetscCall(PetscFree(of->inlet));
+  PetscCall(PetscFree(of->push));
   PetscCall(PetscFree(model->entrainment));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -169,29 +169,37 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
 static PetscErrorCode Resist(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal kick, PetscReal velocity[])
 {
   MpmEntrainment *of      = ctx;
-  PetscReal       sums[4] = {0.};
+  PetscReal       sums[6] = {0.};
 
-  (void)mass, (void)velocity;
   PetscFunctionBeginUser;
+  if (of->inlets) PetscCall(MpmInletsHold(of, sum, mass, kick, velocity));
   for (PetscInt i = 0; i < sum->space->owned; i++) {
     for (PetscInt a = 0; a < 2; a++) {
       sums[a] += kick * of->flow->force[i * sum->block + a];
       sums[2 + a] += kick * of->flow->friction[i * sum->block + a];
+      if (of->inlets) sums[4 + a] += kick * of->push[2 * i + a];
     }
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sums, 4, MPIU_REAL, MPIU_SUM, sum->grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sums, 6, MPIU_REAL, MPIU_SUM, sum->grid->comm));
   for (PetscInt a = 0; a < 2; a++) {
     of->account.bed[a] += sums[a];
     of->account.friction[a] += sums[2 + a];
+    of->account.carried[a] += sums[4 + a];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool Idle(const void *ctx)
+/* Work of the inlets. */
+static PetscErrorCode Work(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
+                           MpmTermWork *work)
 {
-  (void)ctx;
-  return PETSC_TRUE;
+  const MpmEntrainment *of = ctx;
+
+  (void)at;
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; of->inlets && k < 2 * sum->space->owned; k++) work->external += of->push[k] * u[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 const MpmTerm MpmTermEntrainment = {
-  .name = "entrainment", .idle = Idle, .motion.resist = Resist, .step.commit = Commit};
+  .name = "entrainment", .energy.work = Work, .motion.resist = Resist, .step.commit = Commit};

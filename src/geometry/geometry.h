@@ -18,7 +18,8 @@ typedef enum {
   MPM_REGION_RASTER,
   MPM_REGION_FILE, /* from here on the points of bodies come from files */
   MPM_REGION_COLUMNS,
-  MPM_REGION_DEPTH
+  MPM_REGION_DEPTH,
+  MPM_REGION_HYDROGRAPH
 } MpmRegionType;
 
 typedef struct _p_MpmRegion *MpmRegion;

@@ -21,8 +21,8 @@
 #include <math.h>
 #include <stdio.h>
 
-static const char *const region_types[] = {"all",     "box",    "sphere", "cylinder", "polygon", "layers",
-                                           "outline", "raster", "file",   "columns",  "depth",   NULL};
+static const char *const region_types[] = {"all",    "box",  "sphere",  "cylinder", "polygon",    "layers", "outline",
+                                           "raster", "file", "columns", "depth",    "hydrograph", NULL};
 
 static const char *Prefix(const MpmOptions *options)
 {

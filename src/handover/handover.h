@@ -10,17 +10,18 @@
 
 /* The points of a body that have been made from another run's, this rank's, row by row. */
 typedef struct MpmHandover {
-  PetscInt   count;
-  PetscReal *position, *half_length, *velocity; /* m, m, m/s: dim values */
-  PetscReal *volume, *mass;                     /* m3, kg */
-  PetscReal *gradient; /* of the velocity, dim x dim, 1/s: [a][b] is the derivative of v_a by x_b; or NULL */
-  PetscReal *stress;   /* Cauchy, xx, yy, zz, xy, yz, xz, Pa; or NULL */
-  PetscReal *depth;    /* vertical, of columns, m; or NULL */
-  PetscReal *entry;    /* time at which they come in, s: 0 at once; or NULL */
-  PetscBool  later;    /* some, over all ranks, come in later */
-  char      *path;     /* of the run's file; NULL: from maps */
-  char      *line;     /* for the log */
-  char      *entries;  /* for the summary, JSON */
+  PetscInt         count;
+  PetscReal       *position, *half_length, *velocity; /* m, m, m/s: dim values */
+  PetscReal       *volume, *mass;                     /* m3, kg */
+  PetscReal       *gradient; /* of the velocity, dim x dim, 1/s: [a][b] is the derivative of v_a by x_b; or NULL */
+  PetscReal       *stress;   /* Cauchy, xx, yy, zz, xy, yz, xz, Pa; or NULL */
+  PetscReal       *depth;    /* vertical, of columns, m; or NULL */
+  PetscReal       *entry;    /* time at which they come in, s: 0 at once; or NULL */
+  PetscBool        later;    /* some, over all ranks, come in later */
+  char            *path;     /* of the run's file; NULL: from maps */
+  char            *line;     /* for the log */
+  char            *entries;  /* for the summary, JSON */
+  struct MpmInlet *inlet;    /* of region hydrograph (handover/hydrograph.h), or NULL */
 } MpmHandover;
 
 /*

@@ -5,6 +5,7 @@
 #include "grid/grid.h"
 #include "handover/columns.h"
 #include "handover/handover.h"
+#include "handover/hydrograph.h"
 #include "handover/window.h"
 
 #define GRAVITY 9.81 /* m/s2 */
@@ -211,5 +212,6 @@ PetscErrorCode MpmHandoverDestroy(MpmHandover *handover)
   PetscCall(PetscFree(handover->path));
   PetscCall(PetscFree(handover->line));
   PetscCall(PetscFree(handover->entries));
+  PetscCall(MpmInletDestroy(&handover->inlet));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

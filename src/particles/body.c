@@ -185,15 +185,15 @@ PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, cons
 {
   char             prefix[256];
   const MpmOptions block = {options->comm, prefix, options->record};
-  PetscBool        given = PETSC_FALSE, columns;
+  PetscBool        given = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   if (MpmRegionGetType(body->region) < MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
   PetscCall(MpmOptionsHas(&block, "region", &given));
-  columns = (PetscBool)(MpmRegionGetType(body->region) == MPM_REGION_COLUMNS || (MpmOptionsHelp() && !given));
-  if (columns || MpmRegionGetType(body->region) > MPM_REGION_FILE)
-    PetscCall(MpmImportedHandover(&block, columns, grid, &materials[body->material], &body->imported));
+  if (MpmRegionGetType(body->region) > MPM_REGION_FILE || (MpmOptionsHelp() && !given))
+    PetscCall(
+      MpmImportedHandover(&block, MpmRegionGetType(body->region), grid, &materials[body->material], &body->imported));
   if (MpmRegionGetType(body->region) == MPM_REGION_FILE || MpmOptionsHelp())
     PetscCall(MpmImportedCreate(&block, grid, &materials[body->material], field_count, fields, &body->imported));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -220,11 +220,12 @@ PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, con
   char             prefix[256];
   const MpmOptions block  = {options->comm, prefix, options->record};
   const PetscBool  raster = (PetscBool)(MpmRegionGetType(body->region) == MPM_REGION_RASTER);
+  const PetscBool  flows  = (PetscBool)(MpmRegionGetType(body->region) == MPM_REGION_HYDROGRAPH);
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
-  MpmCheckInput(bed || !raster || MpmOptionsHelp(), "-%sregion raster: is for -mpm_physics depth_averaged",
-                block.prefix);
+  MpmCheckInput(bed || !(raster || flows) || MpmOptionsHelp(), "-%sregion %s: is for -mpm_physics depth_averaged",
+                block.prefix, raster ? "raster" : "hydrograph");
   if (!bed && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(
     !bed || (MpmRegionGetType(body->region) != MPM_REGION_FILE && MpmRegionGetType(body->region) != MPM_REGION_COLUMNS),

@@ -24,6 +24,7 @@
 #include "point/stress_inversion.h"
 #include "grid/grid.h"
 #include "handover/handover.h"
+#include "handover/hydrograph.h"
 #include "particles/body_file.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
@@ -189,7 +190,7 @@ static void TakeHandover(PetscInt dim, const MpmMaterial *material, MpmImported 
   }
 }
 
-PetscErrorCode MpmImportedHandover(const MpmOptions *block, PetscBool columns, const MpmGrid *grid,
+PetscErrorCode MpmImportedHandover(const MpmOptions *block, MpmRegionType region, const MpmGrid *grid,
                                    const MpmMaterial *material, MpmImported *handle)
 {
   MpmImported imported;
@@ -197,8 +198,11 @@ PetscErrorCode MpmImportedHandover(const MpmOptions *block, PetscBool columns, c
   PetscFunctionBeginUser;
   PetscCall(PetscNew(handle));
   imported = *handle;
-  if (columns) PetscCall(MpmHandoverColumns(block, grid, material->density, &imported->handover));
-  else PetscCall(MpmHandoverDepth(block, grid, &imported->handover));
+  if (region == MPM_REGION_COLUMNS || MpmOptionsHelp())
+    PetscCall(MpmHandoverColumns(block, grid, material->density, &imported->handover));
+  if (region == MPM_REGION_HYDROGRAPH || MpmOptionsHelp())
+    PetscCall(MpmHandoverHydrograph(block, grid, material->density, &imported->handover));
+  if (region == MPM_REGION_DEPTH) PetscCall(MpmHandoverDepth(block, grid, &imported->handover));
   if (MpmOptionsHelp()) PetscFunctionReturn(MpmImportedDestroy(handle));
   imported->quantity_count = STATES + (PetscInt)material->info.state_count;
   PetscCall(PetscCalloc1(imported->quantity_count, &imported->quantity));

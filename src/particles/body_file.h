@@ -4,6 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "geometry/geometry.h"
 
 /* The points of a body that come from a file, this rank's. */
 typedef struct _p_MpmImported *MpmImported;
@@ -14,8 +15,8 @@ typedef struct {
 } MpmFileField;
 PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, const MpmMaterial *material,
                                  PetscInt field_count, const MpmFileField fields[], MpmImported *imported);
-/* Of region columns, or of region depth (handover/handover.h). */
-PetscErrorCode MpmImportedHandover(const MpmOptions *block, PetscBool columns, const MpmGrid *grid,
+/* Of region columns, depth or hydrograph (handover/handover.h, handover/hydrograph.h). */
+PetscErrorCode MpmImportedHandover(const MpmOptions *block, MpmRegionType region, const MpmGrid *grid,
                                    const MpmMaterial *material, MpmImported *imported);
 /* NULL: the points come from a file as they are. */
 const struct MpmHandover *MpmImportedGetHandover(MpmImported imported);

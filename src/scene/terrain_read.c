@@ -9,6 +9,7 @@
 #include "pairs/body_contact.h"
 #include "rigid/rigid.h"
 #include "terrain/bed_flow.h"
+#include "terrain/forest.h"
 #include "point/basal_map.h"
 #include "query/model.h"
 #include "scene/terrain_read.h"
@@ -16,12 +17,14 @@
 PetscErrorCode MpmTerrainRead(MpmModel model, const MpmOptions *options)
 {
   const MpmScene *scene = &model->scene;
+  PetscReal      *drag;
   MpmBed         *bed;
 
   PetscFunctionBeginUser;
   if (!(scene->physics.traits & MPM_PHYSICS_COLUMNS) && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscNew(&bed));
   PetscCall(MpmBedRead(options, model->disc.grid->lower, model->disc.grid->upper, bed));
+  if (MpmOptionsHelp()) PetscCall(MpmForestsRead(options, model->disc.grid, &drag));
   if (MpmOptionsHelp() && !(scene->physics.traits & MPM_PHYSICS_COLUMNS)) {
     PetscCall(MpmBedDestroy(bed));
     PetscCall(PetscFree(bed));
@@ -49,6 +52,7 @@ PetscErrorCode MpmTerrainReadParameters(MpmModel model, const MpmOptions *option
 
   PetscFunctionBeginUser;
   if (!model->scene.deformation.bed || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmForestsRead(options, model->disc.grid, &flow->drag));
   for (PetscInt m = 0; m < materials->count; m++) {
     const MpmLawInfo *law = &materials->at[m].info;
     char              prefix[256];

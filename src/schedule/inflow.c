@@ -4,6 +4,7 @@
   groups have come in.
 */
 #include "grid/grid.h"
+#include "entrainment/entrainment.h"
 #include "handover/handover.h"
 #include "particles/body.h"
 #include "particles/particles.h"
@@ -136,10 +137,13 @@ PetscErrorCode MpmInflowEnter(MpmModel model, MpmOutcome *outcome)
     const MpmParked *parked = &inflow->parked[inflow->entered++];
     const size_t     bytes  = MpmParkedBytes(model->state.particles, parked);
     MpmParked        copy   = *parked;
+    PetscInt         first;
 
+    PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &first));
     PetscCall(PetscMalloc1(bytes, &copy.data));
     PetscCall(PetscMemcpy(copy.data, parked->data, bytes));
     PetscCall(MpmParticlesReturn(model->state.particles, &copy));
+    PetscCall(MpmEntrainmentEnter(model, first, parked->count, inflow->time[inflow->entered - 1]));
   }
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, outcome));
   PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));

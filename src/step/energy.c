@@ -76,6 +76,22 @@ PetscErrorCode MpmEnergyMark(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmEnergyAddAffine(MpmModel model, PetscReal by)
+{
+  MpmMotionSums sums;
+  PetscReal     affine;
+
+  PetscFunctionBeginUser;
+  if (!model->disc.context.inertia->dynamic) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmMotionSum(model->disc.sum, &MpmModelMotion(model)->transfer, &sums));
+  affine = sums.kinetic - MpmPointsKinetic(model->disc.points, model->scene.materials->at, model->disc.dim);
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &affine, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  model->state.scheme.energy.start += by * affine;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmEnergyRebase(MpmModel model)
 {
   MpmEnergy *energy = &model->state.scheme.energy;

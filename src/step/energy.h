@@ -37,6 +37,11 @@ PetscErrorCode MpmEnergyAdd(MpmModel model, const MpmStepWork *work);
 */
 PetscErrorCode MpmEnergyMark(MpmModel model);
 PetscErrorCode MpmEnergyRebase(MpmModel model);
+/*
+  Adds `by` times the energy of the affine velocities to that of the start: -1 before and 1 after points are removed,
+  in the space of the step.
+*/
+PetscErrorCode MpmEnergyAddAffine(MpmModel model, PetscReal by);
 
 /* Rows of the state (base/rows.h). */
 PetscErrorCode MpmEnergyAddRows(MpmModel model);

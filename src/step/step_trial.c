@@ -277,10 +277,12 @@ PetscErrorCode MpmStepRemoveGone(MpmModel model)
                                     &outside, &gone));
   if (gone) {
     PetscCall(MpmEnergyMark(model));
+    PetscCall(MpmEnergyAddAffine(model, -1.));
     PetscCall(MpmEntrainmentLeave(model, here, outside));
     PetscCall(MpmParticlesRemoveAt(model->state.particles, here, outside));
     PetscCall(
       MpmSpaceRemovePoints(model->disc.space, here, outside)); /* the step's rows and grid are still summed over it */
+    PetscCall(MpmEnergyAddAffine(model, 1.));
     PetscCall(MpmEnergyRebase(model));
     PetscCall(MpmMonitorNote(&model->monitor, "%" PetscInt_FMT " point%s left the grid, %" PetscInt64_FMT " remain%s",
                              gone, gone > 1 ? "s" : "", model->state.particles->total,

@@ -75,6 +75,7 @@ struct MpmBedFlow {
   PetscReal       *height; /* of the bed at the local nodes, m */
   PetscReal       *sums, *shares, *level, *steep, *failed, *force;
   PetscReal       *friction; /* force of the resistance in the last increment, N, two a node */
+  PetscReal       *drag;     /* of forests at the nodes of the grid (forest.h); NULL: there are none */
   MpmBedShear     *shear;    /* in the last increment; NULL: nobody asks for it */
   PetscInt         mapped;   /* parameters by map */
   MpmBedParameter *parameter;

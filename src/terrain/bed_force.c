@@ -33,6 +33,7 @@ PetscErrorCode MpmBedFlowDestroy(MpmBedFlow **flow)
                        (*flow)->force));
   PetscCall(PetscFree((*flow)->friction));
   PetscCall(PetscFree((*flow)->shear));
+  PetscCall(PetscFree((*flow)->drag));
   PetscCall(PetscFree(*flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -8,6 +8,9 @@
   the speed along the bed over the horizontal one; area of the bed over its plan and the horizontal part of a stress
   along the motion make q' = sqrt(1 + s^2)/q. With -mpm_slope vertical both are 1.
 
+  In a forest F has the sum of m_k a (u/q)^2, too: vertical stems resist horizontally with m a u^2 (forest.h), of which
+  the bed takes the part normal to it.
+
   With -mpm_curvature path a node has moved before by -k c s b u^2, s the slope of the bed and b = n . H n along the
   motion n, of the second differences H of the bed at the nodes: the bed's force on what follows it, which leaves the
   speed along the bed as it is. With pressure the pressure normal to the bed is rho h c (g + b u^2), at least 0.
@@ -28,6 +31,7 @@ typedef struct {
   PetscInt          node;
   PetscReal         cosine2, along, part; /* c, q and q' */
   PetscReal         bend;                 /* of the bed along the motion, 1/m: b */
+  PetscReal         drag;                 /* of a forest, 1/m: a */
 } Node;
 
 /* F at a speed, N. */
@@ -51,6 +55,7 @@ static PetscReal Resistance(const Node *node, PetscReal speed)
                             .pressure = density * heavy * depth * node->cosine2,
                             .speed    = node->along * speed};
     force += share[MPM_BED_SHARE] * node->part * material->basal->resistance(parameter, &point) / (density * depth);
+    force += share[MPM_BED_SHARE] * node->drag * PetscSqr(speed / node->along);
   }
   return force;
 }
@@ -59,12 +64,14 @@ static PetscReal Resistance(const Node *node, PetscReal speed)
 static PetscReal Shear(const Node *node, PetscReal speed)
 {
   const PetscInt materials = node->flow->materials;
+  Node           bare      = *node;
   PetscReal      area      = 0.;
 
+  bare.drag = 0.;
   for (PetscInt k = 0; k < materials; k++)
     area += node->flow->shares[(node->node * materials + k) * MPM_BED_SHARES + MPM_BED_OVER_DEPTH] /
             node->sum->materials[k].parameter[MPM_BASAL_DENSITY];
-  return Resistance(node, speed) / (area * node->part);
+  return Resistance(&bare, speed) / (area * node->part);
 }
 
 /* The root where the resistance is F(0) and a part that goes with the speed squared: all of it, of most laws. */
@@ -159,6 +166,15 @@ static PetscReal Follow(const Node *node, PetscReal kick, const PetscReal slope[
   return node->flow->bed->curvature == MPM_BED_PRESSURE ? bend / speed2 : 0.;
 }
 
+/* Place of a node on the grid's lattice, x fastest. */
+static PetscInt Place(const MpmSum *sum, PetscInt i)
+{
+  PetscInt at[MPM_MAX_DIM];
+
+  MpmSpaceAt(sum->space, &sum->space->node[i * 2], at);
+  return at[0] + sum->grid->nodes[0] * at[1];
+}
+
 PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal kick, PetscReal velocity[])
 {
   MpmBedFlow *flow = ctx;
@@ -183,6 +199,7 @@ PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[]
       node.part  = 1. / (PetscSqrtReal(node.cosine2) * node.along);
     }
     if (flow->own) TakeParameters(sum, i, flow);
+    if (flow->drag) node.drag = flow->drag[Place(sum, i)];
     to = Solve(&node, mass[i], kick, speed);
     if (flow->shear && to > 0.) flow->shear[i] = (MpmBedShear){Shear(&node, to), node.along * to};
     for (PetscInt a = 0; a < 2; a++) {
