@@ -34,7 +34,16 @@ static PetscReal FirstMiddle(const Axis *axis, PetscInt *count)
 /* The polynomials of the interval about `middle`, and their derivatives, at a place. */
 static void Extend(const Axis *axis, PetscReal middle, PetscReal place, MpmShapeLine *there)
 {
-  MpmShapeExtend(axis->type, axis->edge, middle, place - middle, axis->lower, axis->upper, there);
+  if (MpmShapeDegree(axis->type) != 1) {
+    MpmShapeExtend(axis->type, axis->edge, middle, place - middle, axis->lower, axis->upper, there);
+    return;
+  }
+  there->first       = (PetscInt)floor(middle);
+  there->count       = 2;
+  there->weight[1]   = place - (PetscReal)there->first;
+  there->weight[0]   = 1. - there->weight[1];
+  there->gradient[0] = -1.;
+  there->gradient[1] = 1.;
 }
 
 /* Adds a factor times values of one line to those of another. */

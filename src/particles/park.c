@@ -12,38 +12,25 @@ static size_t FieldBytes(const MpmPointField *field)
   return (size_t)field->components * (field->integer ? sizeof(PetscInt) : sizeof(PetscReal));
 }
 
-/* Copies all fields of one point between the swarm and a row of parked data. */
-static PetscErrorCode CopyRow(MpmParticles *particles, void *const fields[], PetscInt p, char *row, PetscBool out)
+/* Copies `count` points, index[k] or first + k, between the swarm and parked data, which have field after field. */
+static PetscErrorCode CopyPoints(MpmParticles *particles, PetscInt count, const PetscInt index[], PetscInt first,
+                                 char *data, PetscBool out)
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < particles->field_count; k++) {
     const size_t bytes = FieldBytes(&particles->fields[k]);
-    char        *field = (char *)fields[k] + (size_t)p * bytes;
+    const size_t run   = index ? bytes : (size_t)count * bytes;
+    char        *field;
 
-    if (out) PetscCall(PetscMemcpy(row, field, bytes));
-    else PetscCall(PetscMemcpy(field, row, bytes));
-    row += bytes;
+    PetscCall(MpmParticlesGetField(particles, particles->fields[k].name, (void **)&field));
+    for (PetscInt i = 0; i < (index ? count : 1); i++, data += run) {
+      char *at = field + (size_t)(index ? index[i] : first) * bytes;
+
+      if (out) PetscCall(PetscMemcpy(data, at, run));
+      else PetscCall(PetscMemcpy(at, data, run));
+    }
+    PetscCall(MpmParticlesRestoreField(particles, &field));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Copies `count` points, index[k] or first + k, between the swarm and parked data. */
-static PetscErrorCode CopyRows(MpmParticles *particles, PetscInt count, const PetscInt index[], PetscInt first,
-                               char *data, PetscBool out)
-{
-  void **fields;
-  size_t bytes = 0;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(particles->field_count, &fields));
-  for (PetscInt k = 0; k < particles->field_count; k++) {
-    bytes += FieldBytes(&particles->fields[k]);
-    PetscCall(MpmParticlesGetField(particles, particles->fields[k].name, &fields[k]));
-  }
-  for (PetscInt k = 0; k < count; k++)
-    PetscCall(CopyRow(particles, fields, index ? index[k] : first + k, data + (size_t)k * bytes, out));
-  for (PetscInt k = 0; k < particles->field_count; k++) PetscCall(MpmParticlesRestoreField(particles, &fields[k]));
-  PetscCall(PetscFree(fields));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -71,7 +58,7 @@ static PetscErrorCode Park(MpmParticles *particles, PetscInt count, const PetscI
   PetscFunctionBeginUser;
   parked->count = count;
   PetscCall(PetscMalloc1(MpmParkedBytes(particles, parked), &parked->data));
-  PetscCall(CopyRows(particles, count, index, 0, parked->data, PETSC_TRUE));
+  PetscCall(CopyPoints(particles, count, index, 0, parked->data, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,10 +136,10 @@ PetscErrorCode MpmParticlesHalve(MpmParticles *particles, PetscInt count, const 
   for (PetscInt k = 0; k < particles->field_count; k++) bytes += FieldBytes(&particles->fields[k]);
   PetscCall(DMSwarmGetLocalSize(particles->swarm, &first));
   PetscCall(PetscMalloc1(((size_t)count * bytes), &data));
-  PetscCall(CopyRows(particles, count, index, 0, data, PETSC_TRUE));
+  PetscCall(CopyPoints(particles, count, index, 0, data, PETSC_TRUE));
   PetscCall(MpmParticlesRelease(particles));
   if (count) PetscCall(DMSwarmAddNPoints(particles->swarm, count));
-  PetscCall(CopyRows(particles, count, NULL, first, data, PETSC_FALSE));
+  PetscCall(CopyPoints(particles, count, NULL, first, data, PETSC_FALSE));
   PetscCall(PetscFree(data));
   for (PetscInt k = 0; k < particles->field_count; k++) {
     if (!particles->fields[k].shared) continue;
@@ -174,7 +161,7 @@ static PetscErrorCode Append(MpmParticles *particles, const MpmParked *parked)
   if (parked->count) {
     PetscCall(MpmParticlesRelease(particles));
     PetscCall(DMSwarmAddNPoints(particles->swarm, parked->count));
-    PetscCall(CopyRows(particles, parked->count, NULL, first, parked->data, PETSC_FALSE));
+    PetscCall(CopyPoints(particles, parked->count, NULL, first, parked->data, PETSC_FALSE));
   }
   PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -201,12 +188,10 @@ PetscErrorCode MpmParticlesKeep(MpmParticles *particles, MpmParked *kept)
 
 PetscErrorCode MpmParticlesTakeUp(MpmParticles *particles, const MpmParked *kept)
 {
-  PetscInt count;
-
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesRelease(particles));
-  PetscCall(DMSwarmGetLocalSize(particles->swarm, &count));
-  while (count--) PetscCall(DMSwarmRemovePointAtIndex(particles->swarm, count));
-  PetscCall(Append(particles, kept));
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, kept->count, -1));
+  PetscCall(CopyPoints(particles, kept->count, NULL, 0, kept->data, PETSC_FALSE));
+  PetscCall(CountTotal(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -39,7 +39,7 @@ static PetscErrorCode PullObjectives(MpmModel model, PetscInt n, MpmPointVector 
   parameters are added.
 */
 static PetscErrorCode StagePull(MpmModel model, MpmReplayedStep *step, const MpmPointVector *end, PetscReal lam[],
-                                MpmPointVector *start, PetscReal values[])
+                                MpmPointVector *start, PetscReal values[], MpmPointTable **table)
 {
   MpmStepMap    *map   = &step->map;
   const PetscInt count = model->disc.space->local * model->disc.block;
@@ -48,7 +48,8 @@ static PetscErrorCode StagePull(MpmModel model, MpmReplayedStep *step, const Mpm
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc2((count + 1), &ubar, (count + 1), &solved));
   PetscCall(MpmReplayedStepLinearise(model, step));
-  PetscCall(MpmPointTableCreate(map, &map->table));
+  PetscCall(MpmPointTableCreate(map, table));
+  map->table = *table;
   PetscCall(MpmPointsPullSolution(map, end, lam, ubar));
   PetscCall(MpmGhostPullSolution(map, lam, ubar));
   PetscCall(MpmWaterWeightPullSolution(map, lam, ubar));
@@ -58,14 +59,13 @@ static PetscErrorCode StagePull(MpmModel model, MpmReplayedStep *step, const Mpm
   PetscCall(MpmLoadsPullStart(map, lam, start, values));
   PetscCall(MpmGhostPullStart(map, lam, values));
   PetscCall(MpmWaterWeightPullStart(map, lam, start, values));
-  PetscCall(MpmPointTableDestroy(&map->table));
   PetscCall(PetscFree2(ubar, solved));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The first of two stages, with bars of the second one's numbers, which also has those of deviations at the start. */
 static PetscErrorCode FirstPull(MpmModel model, PetscInt n, const MpmStageNumbers *bars, PetscReal lam[],
-                                MpmPointVector *start, PetscReal values[])
+                                MpmPointVector *start, PetscReal values[], MpmPointTable **table)
 {
   const MpmStageNumbers stage = {.deviation_n = bars->deviation_n};
   MpmPointVector        end   = {0};
@@ -76,7 +76,7 @@ static PetscErrorCode FirstPull(MpmModel model, PetscInt n, const MpmStageNumber
   PetscCall(MpmReplayedStepCreate(model, &step));
   step.map.stage = &stage;
   PetscCall(MpmStageVectorCreate(&step.map, bars, &end));
-  PetscCall(StagePull(model, &step, &end, lam, start, values));
+  PetscCall(StagePull(model, &step, &end, lam, start, values, table));
   PetscCall(MpmPointVectorDestroy(&end));
   PetscCall(MpmReplayedStepDestroy(&step));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -84,7 +84,7 @@ static PetscErrorCode FirstPull(MpmModel model, PetscInt n, const MpmStageNumber
 
 /* One step: `vector`, the derivative by its end, becomes that by its start. */
 static PetscErrorCode StepPull(MpmModel model, PetscInt n, MpmReplayedStep *step, MpmPointVector *vector,
-                               PetscReal values[])
+                               PetscReal values[], MpmPointTable **table)
 {
   MpmStepMap     *map   = &step->map;
   const PetscBool two   = MpmTapeHasTwoStages(&model->gradient->tape, n);
@@ -103,8 +103,8 @@ static PetscErrorCode StepPull(MpmModel model, PetscInt n, MpmReplayedStep *step
   PetscCall(MpmPointVectorDestroy(vector));
   PetscCall(PullObjectives(model, n, &end, lam));
   if (two) MpmReplayedAddFlow(model, lam, first);
-  PetscCall(StagePull(model, step, &end, lam, &start, values));
-  if (two) PetscCall(FirstPull(model, n, &stage, first, &start, values));
+  PetscCall(StagePull(model, step, &end, lam, &start, values, table));
+  if (two) PetscCall(FirstPull(model, n, &stage, first, &start, values, table));
   if (stage.deviation_n) PetscCall(MpmDeviationsPull(map, stage.deviation_n, &start));
   PetscCall(MpmStageNumbersDestroy(&stage));
   MpmPointVectorAddConstant(&end, &start);
@@ -120,6 +120,7 @@ PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[])
   MpmGradient   *gradient = model->gradient;
   const PetscInt count    = gradient->parameters.count;
   MpmPointVector vector   = {0};
+  MpmPointTable *table    = NULL;
 
   PetscFunctionBeginUser;
   PetscCall(MpmFieldParametersBegin(&gradient->grounds));
@@ -128,10 +129,11 @@ PetscErrorCode MpmAdjointRun(MpmModel model, PetscReal values[])
 
     PetscCall(MpmTapeReplay(model, &gradient->tape, n, PETSC_FALSE));
     PetscCall(MpmReplayedStepCreate(model, &step));
-    PetscCall(StepPull(model, n, &step, &vector, values));
+    PetscCall(StepPull(model, n, &step, &vector, values, &table));
     PetscCall(MpmReplayedStepDestroy(&step));
     if (!gradient->checks) PetscCall(MpmTapeDone(&gradient->tape, n));
   }
+  PetscCall(MpmPointTableDestroy(&table));
   PetscCall(MpmStartPull(model, &vector, values));
   PetscCall(MpmPointVectorDestroy(&vector));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, values, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, model->comm));

@@ -49,6 +49,7 @@ PetscErrorCode MpmReplayedStepLinearise(MpmModel model, MpmReplayedStep *step)
   PetscCall(KSPSetType(*ksp, KSPGMRES));
   PetscCall(KSPGMRESSetRestart(*ksp, 100));
   PetscCall(KSPSetTolerances(*ksp, RTOL, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
+  PetscCall(KSPSetSkipPCSetFromOptions(*ksp, PETSC_TRUE)); /* the preconditioner has its factors */
   PetscCall(KSPSetFromOptions(*ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

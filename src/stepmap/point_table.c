@@ -115,8 +115,9 @@ static PetscErrorCode ColumnsCreate(const MpmStepMap *map, PetscInt inputs, Pets
   PetscCall(FindPhysics(map, material, &physics, &columns->number));
   PetscCall(FindPlaces(map, material, &parameters, &columns->place));
   PetscCall(FindFields(map, material, &fields, &columns->field));
+  columns->start   = MpmStartKindOf(map->sum, material);
   columns->F       = inputs;
-  columns->state   = columns->F + F;
+  columns->state   = columns->F + (columns->start == MPM_START_COMPONENTS ? F : columns->start == MPM_START_VOLUME);
   columns->physics = columns->state + of->state_size;
   for (PetscInt k = 0; k < MPM_RATE_NUMBERS; k++) {
     columns->rate[k] = columns->physics;
@@ -126,6 +127,7 @@ static PetscErrorCode ColumnsCreate(const MpmStepMap *map, PetscInt inputs, Pets
   columns->ground    = columns->parameter + parameters;
   columns->count     = columns->ground + fields;
   columns->packs     = (columns->count + MPM_PACK - 1) / MPM_PACK;
+  columns->size      = size * MPM_PACK;
   PetscCall(PetscCalloc2(columns->packs, &columns->pack, (columns->packs * size * MPM_PACK), &columns->seeds));
   for (PetscInt k = 0; k < columns->packs; k++) {
     MpmKernelDirection *pack  = &columns->pack[k];
@@ -133,7 +135,7 @@ static PetscErrorCode ColumnsCreate(const MpmStepMap *map, PetscInt inputs, Pets
 
     pack->count = MPM_PACK;
     Seed(0, inputs, k, seeds, &pack->input);
-    Seed(columns->F, F, k, &seeds[inputs * MPM_PACK], &pack->F_n);
+    Seed(columns->F, columns->state - columns->F, k, &seeds[inputs * MPM_PACK], &pack->F_n);
     Seed(columns->state, of->state_size, k, &seeds[(inputs + F) * MPM_PACK], &pack->state_n);
     SeedNumbers(map, of, columns, k, &seeds[(inputs + F + of->state_size) * MPM_PACK], &pack->parameter);
     SeedRates(map, material, columns, k, &seeds[law * MPM_PACK]);
@@ -144,23 +146,34 @@ static PetscErrorCode ColumnsCreate(const MpmStepMap *map, PetscInt inputs, Pets
 PetscErrorCode MpmPointTableCreate(const MpmStepMap *map, MpmPointTable **table)
 {
   const MpmLayout *layout = map->sum->layout;
-  MpmPointTable   *own;
+  MpmPointTable   *own, *last = *table;
+  PetscInt         size;
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(table));
   own                 = *table;
   own->inputs         = layout->kernel->inputs;
   own->means          = layout->means ? own->inputs - 1 : 0;
-  own->values         = own->inputs + (own->means ? 1 + own->means : 0);
-  own->rows           = 1 + own->values;
+  own->rows           = 1 + own->inputs + (own->means ? 1 + own->means : 0);
+  own->end            = own->rows - 1;
   own->material_count = map->rules->material_count;
   PetscCall(PetscCalloc1(own->material_count, &own->columns));
   for (PetscInt m = 0; m < own->material_count; m++) {
     PetscCall(ColumnsCreate(map, own->inputs, m, &own->columns[m]));
     own->widest = PetscMax(own->widest, own->columns[m].packs);
   }
+  own->values = own->end + map->sum->points->F_size;
   own->record = own->values + own->widest * own->rows * MPM_PACK;
-  PetscCall(PetscMalloc1((map->sum->points->count * own->record + 1), &own->at));
+  size        = map->sum->points->count * own->record + 1;
+  if (last && last->room >= size) {
+    own->at   = last->at;
+    own->room = last->room;
+    last->at  = NULL;
+  } else {
+    own->room = size;
+    PetscCall(PetscMalloc1(size, &own->at));
+  }
+  PetscCall(MpmPointTableDestroy(&last));
   PetscCall(PetscMalloc5((MPM_F_MAX * MPM_PACK), &own->F, (6 * MPM_PACK), &own->stress,
                          ((map->sum->kept.state + 1) * MPM_PACK), &own->state, ((map->sum->kept.own + 1) * MPM_PACK),
                          &own->own, (own->widest * MPM_PACK), &own->totals));
@@ -196,6 +209,18 @@ static inline const MpmPointDirections *Columns(const MpmStepMap *map, PetscInt 
   return &map->table->columns[map->sum->points->material[p]];
 }
 
+/* The direction along F_n at point p, where its law has one. */
+static void SeedDeformation(const MpmStepMap *map, PetscInt p, const MpmPointDirections *columns)
+{
+  const MpmPoints *points = map->sum->points;
+  const PetscInt   pack = columns->F / MPM_PACK, lane = columns->F % MPM_PACK;
+  PetscReal       *seeds;
+
+  if (columns->start != MPM_START_VOLUME) return;
+  seeds = &columns->seeds[pack * columns->size + map->table->inputs * MPM_PACK + lane];
+  for (PetscInt k = 0; k < points->F_size; k++) seeds[k * MPM_PACK] = MpmPointF(points, p)[k];
+}
+
 PetscErrorCode MpmPointTableFill(const MpmStepMap *map, PetscInt p, const MpmKernelPoint *point,
                                  const MpmPointVector *end, MpmPointWork *work)
 {
@@ -207,6 +232,7 @@ PetscErrorCode MpmPointTableFill(const MpmStepMap *map, PetscInt p, const MpmKer
 
   PetscFunctionBeginUser;
   MpmRatesPullInputs(map, p, work->input, end, rates);
+  SeedDeformation(map, p, columns);
   for (PetscInt k = 0; k < columns->packs; k++) {
     PetscReal *bars = Pack(table, p, k);
 
@@ -220,6 +246,7 @@ PetscErrorCode MpmPointTableFill(const MpmStepMap *map, PetscInt p, const MpmKer
     for (PetscInt c = 0; c < end->size[MPM_VECTOR_OWN]; c++)
       MpmPackAdd(MpmPointNumbers(end, MPM_VECTOR_OWN, p)[c], &table->own[c * MPM_PACK], bars);
   }
+  for (PetscInt k = 0; k < end->F_size; k++) flux[table->end + k] = work->F[k];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -231,6 +258,7 @@ PetscErrorCode MpmPointTableFillMean(const MpmStepMap *map, PetscInt p, const Mp
   PetscReal                 m[1 + MPM_PACK];
 
   PetscFunctionBeginUser;
+  SeedDeformation(map, p, columns);
   for (PetscInt k = 0; k < columns->packs; k++) {
     PetscReal *rows = Pack(table, p, k) + (1 + table->inputs) * MPM_PACK;
 
@@ -264,12 +292,28 @@ void MpmPointTableTotals(const MpmStepMap *map, PetscInt p, PetscInt packs, cons
   }
 }
 
-void MpmPointTableAdd(const MpmStepMap *map, PetscInt p, const PetscReal totals[], MpmPointVector *start,
-                      PetscReal gradient[])
+/* The derivatives by F at the step's start. */
+static void AddStart(const MpmStepMap *map, PetscInt p, const MpmPointVector *end, const MpmPointWork *work,
+                     const PetscReal totals[], MpmPointVector *start)
+{
+  const MpmPointDirections *columns = Columns(map, p);
+  const PetscReal          *flux    = MpmPointTableFlux(map->table, p);
+  PetscReal                *by_F    = &start->F[p * start->F_size];
+
+  if (columns->start == MPM_START_ELASTIC)
+    MpmStartPullElastic(map->sum, p, work->input, flux, totals, work->other_input, by_F);
+  else if (columns->start == MPM_START_VOLUME)
+    MpmStartPullVolume(map->sum, p, totals[columns->F], &flux[map->table->end], &end->F[p * end->F_size], by_F);
+  else
+    for (PetscInt k = 0; k < start->F_size; k++) by_F[k] += totals[columns->F + k];
+}
+
+void MpmPointTableAdd(const MpmStepMap *map, PetscInt p, const MpmPointVector *end, const MpmPointWork *work,
+                      const PetscReal totals[], MpmPointVector *start, PetscReal gradient[])
 {
   const MpmPointDirections *columns = Columns(map, p);
 
-  for (PetscInt c = columns->F; c < columns->state; c++) start->F[p * start->F_size + c - columns->F] += totals[c];
+  AddStart(map, p, end, work, totals, start);
   for (PetscInt c = columns->state; c < columns->rate[0]; c++)
     start->state[p * start->state_size + c - columns->state] += totals[c];
   for (PetscInt k = 0; k < MPM_RATE_NUMBERS; k++) {

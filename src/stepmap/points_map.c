@@ -326,7 +326,7 @@ static PetscErrorCode PullStart(Pull *pull, const MpmGroup *group, PetscInt s)
   if (!pull->mean) MpmPointEnter(map, p, PETSC_TRUE, work, &point);
   mean = EnterMeans(pull, group, s, &room);
   MpmPointTableTotals(map, p, MpmPointTablePacks(map, p), mean, work, totals);
-  MpmPointTableAdd(map, p, totals, pull->start, pull->gradient);
+  MpmPointTableAdd(map, p, pull->end, work, totals, pull->start, pull->gradient);
   for (PetscInt k = 0; k < work->known.inputs; k++) {
     work->flux[k] = flux[k];
     if (volume) *volume -= flux[k] * work->other_input[k];

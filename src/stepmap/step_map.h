@@ -75,7 +75,8 @@ PetscErrorCode MpmStageVectorCreate(const MpmStepMap *map, const MpmStageNumbers
 /* Adds dr at the local nodes, a rank's part, and sets ds', where they are wanted. */
 PetscErrorCode MpmPointsAlong(const MpmStepMap *map, const MpmStepDirections *directions);
 
-/* Derivatives of the points, which PullSolution finds and PullStart uses (point_table.h). */
+/* Derivatives of the points, which PullSolution finds and PullStart uses (point_table.h). Create: that of another step
+   or NULL in `table`, whose room goes on. */
 PetscErrorCode MpmPointTableCreate(const MpmStepMap *map, MpmPointTable **table);
 PetscErrorCode MpmPointTableDestroy(MpmPointTable **table);
 
