@@ -6,13 +6,13 @@
 
     L = rho_w V_0 (J - 1) g . l ,    J = J(dF, F_n) ,    dF = I + sum_i u_i (x) grad phi_i .
 */
-#include "point/material.h"
+
 #include "volume/volume.h"
 #include "stepmap/point_work.h"
 #include "stepmap/rates_map.h"
 #include "watermap/water_map.h"
 
-/* A point: J - 1 with its derivatives by dF and F_n, rho_w, and rho_w V_0 g. */
+/* A point: J - 1 with its derivatives by dF and F_n, rho_w, and V_0 g. */
 typedef struct {
   MpmPointWork work;
   PetscInt     size;
@@ -29,7 +29,7 @@ static PetscBool Weighs(const MpmStepMap *map)
   return PETSC_FALSE;
 }
 
-/* The change of a number of the nodes' displacements, and the derivative by J that it has: by : grad. */
+/* dJ/d dF : sum_i v_i (x) grad phi_i */
 static PetscReal Contract(const Visit *visit, const MpmBasis *basis, PetscInt dim, const PetscReal values[])
 {
   const PetscInt n   = visit->work.known.n;
@@ -43,11 +43,10 @@ static PetscReal Contract(const Visit *visit, const MpmBasis *basis, PetscInt di
 
 static void Enter(const MpmStepMap *map, PetscInt p, Visit *visit)
 {
-  const MpmSum    *sum  = map->sum;
-  MpmPointWork    *work = &visit->work;
-  const PetscInt   dim = sum->space->dim, n = work->known.n;
-  const PetscReal *own = MpmMaterialPhysicsValues(&sum->materials[sum->points->material[p]], NULL);
-  PetscReal        dF[MPM_F_MAX];
+  const MpmSum  *sum  = map->sum;
+  MpmPointWork  *work = &visit->work;
+  const PetscInt dim = sum->space->dim, n = work->known.n;
+  PetscReal      dF[MPM_F_MAX];
 
   MpmSumBasis(work->known, sum->space, p, PETSC_TRUE, &work->basis);
   visit->size = sum->points->F_size;
@@ -55,23 +54,22 @@ static void Enter(const MpmStepMap *map, PetscInt p, Visit *visit)
     dF[k] = (k / dim == k % dim ? 1. : 0.) + MpmBasisDerivative(&work->basis, n, k % dim, &work->u[k / dim * n]);
   if (visit->size > dim * dim) dF[dim * dim] = 1. + MpmBasisHoop(&work->basis, n, work->u);
   visit->taken   = MpmWaterVolume(sum, p, dF, visit->by, visit->by_F) - 1.;
-  visit->density = own[sum->layout->own.taken_up];
-  for (PetscInt a = 0; a < dim; a++) visit->weight[a] = visit->density * sum->points->volume0[p] * sum->step.gravity[a];
+  visit->density = sum->materials[sum->points->material[p]].physics_parameter[sum->layout->own.taken_up];
+  for (PetscInt a = 0; a < dim; a++) visit->weight[a] = sum->points->volume0[p] * sum->step.gravity[a];
 }
 
-/* The relative change of the water's density with a parameter. */
-static PetscReal DensityBy(const MpmStepMap *map, PetscInt k, PetscInt p, const Visit *visit)
+/* The change of the water's density with a parameter. */
+static PetscReal DensityBy(const MpmStepMap *map, PetscInt k, PetscInt p)
 {
   const MpmSceneParameter *parameter = &map->parameters->at[k];
   const PetscInt           material  = map->sum->points->material[p];
 
   if (!MpmPhysicsHasParameter(parameter, material)) return 0.;
-  return MpmPhysicsSlope(map, parameter, material, map->sum->layout->own.taken_up) / visit->density;
+  return MpmPhysicsSlope(map, parameter, material, map->sum->layout->own.taken_up);
 }
 
 /* ---- along ---- */
 
-/* d(J - 1), but for u's own change, relative to that of rho_w V_0. */
 static PetscErrorCode PointAlong(const MpmStepMap *map, const MpmGroup *group, PetscInt p,
                                  const MpmStepDirection *direction, Visit *visit)
 {
@@ -79,10 +77,10 @@ static PetscErrorCode PointAlong(const MpmStepMap *map, const MpmGroup *group, P
   MpmPointWork         *work  = &visit->work;
   const PetscInt        dim = start->dim, n = work->known.n;
   const PetscReal      *dx = &start->x[p * dim], *dF = &start->F[p * start->F_size];
-  PetscReal             half[MPM_MAX_DIM], change = 0., relative = MpmPointNumber(start, MPM_VECTOR_VOLUME, p);
+  PetscReal             half[MPM_MAX_DIM], change    = 0.;
 
   PetscFunctionBeginUser;
-  if (direction->parameter >= 0) relative += DensityBy(map, direction->parameter, p, visit);
+
   for (PetscInt k = 0; k < visit->size; k++) change += visit->by_F[k] * dF[k];
   if (direction->du) change += Contract(visit, &work->basis, dim, work->other);
   PetscCall(MpmPointSlopesFind(map->rules, map->sum->points, group, p, &work->slopes));
@@ -94,9 +92,10 @@ static PetscErrorCode PointAlong(const MpmStepMap *map, const MpmGroup *group, P
     MpmPointSlopesBasis(&work->slopes, group, (MpmSlopeKind)(k / dim), k % dim, &work->slope);
     change += step * Contract(visit, &work->slope, dim, work->u);
     for (PetscInt a = 0; a < dim; a++)
-      MpmBasisAddForce(&work->slope, n, -visit->weight[a] * visit->taken * step, &work->force[a * n]);
+      MpmBasisAddForce(&work->slope, n, -visit->density * visit->weight[a] * visit->taken * step, &work->force[a * n]);
   }
-  change += visit->taken * relative;
+  change = visit->density * (change + visit->taken * MpmPointNumber(start, MPM_VECTOR_VOLUME, p));
+  if (direction->parameter >= 0) change += visit->taken * DensityBy(map, direction->parameter, p);
   for (PetscInt a = 0; a < dim; a++) MpmBasisAddForce(&work->basis, n, -visit->weight[a] * change, &work->force[a * n]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -125,8 +124,8 @@ PetscErrorCode MpmWaterWeightAlong(const MpmStepMap *map, const MpmStepDirection
 
 /* ---- pull ---- */
 
-/* rho_w V_0 g . l, the derivative of L by J. */
-static PetscReal ByVolume(const Visit *visit, PetscInt dim)
+/* V_0 g . l */
+static PetscReal Power(const Visit *visit, PetscInt dim)
 {
   PetscReal sum = 0.;
 
@@ -141,7 +140,7 @@ static void PullSolution(const MpmStepMap *map, Visit *visit)
 {
   MpmPointWork   *work = &visit->work;
   const PetscInt  dim = map->sum->space->dim, n = work->known.n;
-  const PetscReal by = ByVolume(visit, dim);
+  const PetscReal by = visit->density * Power(visit, dim);
 
   for (PetscInt k = 0; k < dim * dim; k++)
     MpmBasisAddFlux(&work->basis, n, k % dim, by * visit->by[k], &work->force[k / dim * n]);
@@ -159,7 +158,8 @@ static void FindFactors(Visit *visit, PetscInt dim, PetscReal by, PetscReal *fac
     for (PetscInt i = 0; i < n; i++) factor[b][i] = 0.;
   }
   for (PetscInt i = 0; i < n; i++) {
-    for (PetscInt a = 0; a < dim; a++) factor[0][i] += visit->taken * visit->weight[a] * work->other[a * n + i];
+    for (PetscInt a = 0; a < dim; a++)
+      factor[0][i] += visit->density * visit->taken * visit->weight[a] * work->other[a * n + i];
     for (PetscInt k = 0; k < dim * dim; k++) factor[1 + k % dim][i] += by * visit->by[k] * work->u[k / dim * n + i];
     if (visit->size > dim * dim) factor[MPM_HOOP_BASIS][i] += by * visit->by[dim * dim] * work->u[i];
   }
@@ -168,14 +168,14 @@ static void FindFactors(Visit *visit, PetscInt dim, PetscReal by, PetscReal *fac
 static PetscErrorCode PullStart(const MpmStepMap *map, const MpmGroup *group, PetscInt p, Visit *visit,
                                 MpmPointVector *start, PetscReal gradient[])
 {
-  MpmPointWork   *work = &visit->work;
-  const PetscInt  dim  = start->dim;
-  const PetscReal by = ByVolume(visit, dim), value = by * visit->taken;
+  MpmPointWork   *work  = &visit->work;
+  const PetscInt  dim   = start->dim;
+  const PetscReal power = Power(visit, dim), by = visit->density * power;
   PetscReal       half[MPM_MAX_DIM] = {0.}, *F = &start->F[p * start->F_size], *factor[MPM_BASES];
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < map->parameters->count; k++) gradient[k] += value * DensityBy(map, k, p, visit);
-  if (start->size[MPM_VECTOR_VOLUME]) start->at[MPM_VECTOR_VOLUME][p] += value;
+  for (PetscInt k = 0; k < map->parameters->count; k++) gradient[k] += visit->taken * power * DensityBy(map, k, p);
+  if (start->size[MPM_VECTOR_VOLUME]) start->at[MPM_VECTOR_VOLUME][p] += by * visit->taken;
   for (PetscInt k = 0; k < visit->size; k++) F[k] += by * visit->by_F[k];
   PetscCall(MpmPointSlopesFind(map->rules, map->sum->points, group, p, &work->slopes));
   FindFactors(visit, dim, by, factor);
