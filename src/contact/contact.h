@@ -20,7 +20,6 @@ typedef struct {
   PetscReal     strength;                  /* in shear, of the material there at the step's start, Pa; or infinite */
   PetscBool     foreign; /* some of its facets are pieces of other ranks, which add their forces there */
   PetscBool     round;   /* a facet on a round surface, which touches by itself */
-  PetscBool     flows;   /* of material that flows: stopped at the surface (flow_patch.c) */
   PetscBool     direct;  /* in an explicit step: no equations are solved */
   PetscBool     broken;  /* of a bilateral boundary, which has let go: it pushes only */
   PetscBool     held;    /* touches whatever the law says (contact_states.c), and sticks, or */
@@ -29,6 +28,7 @@ typedef struct {
   MpmPatchState state;
   PetscReal     traction[MPM_MAX_DIM]; /* of Newton's last iterate */
   PetscReal     shift; /* augmented: so far behind, m, the penalty gives the pressure that holds it at 0 */
+  PetscReal     mean;  /* pressure in the last steps, Pa, of friction by a law of the bed; or 0 */
 } MpmPatch;
 
 /* Treatment of sliding by Newton's method (contact_states.c). */
@@ -57,6 +57,7 @@ typedef struct MpmContacts {
   PetscInt         patch_count, most; /* most: facets of a patch */
   MpmPatch        *patch;
   PetscReal       *weight;
+  PetscReal        dt;      /* of an explicit step, s */
   PetscBool        weighed; /* the weights are those of the facets that were found last */
 } MpmContacts;
 
@@ -74,8 +75,12 @@ void MpmBoundaryAdvance(const MpmContacts *contacts, PetscInt boundary, PetscInt
 
 /*
   Patches of material that flows (flow_patch.c). Gap: from that at the step's end without contact the one by which the
-  force pushes, and whether it does. Limit: their stiffness, collective.
+  force pushes, and whether it does. Limit: their stiffness, collective. Flows: true of such a patch.
 */
+static inline PetscBool MpmPatchFlows(const MpmContacts *contacts, const MpmPatch *patch)
+{
+  return (PetscBool)contacts->facets.at[patch->begin].key.flows;
+}
 PetscBool      MpmFlowGap(const MpmContacts *contacts, const MpmPatch *patch, PetscReal *gap);
 PetscErrorCode MpmFlowLimit(MpmContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
 

@@ -37,7 +37,7 @@ static PetscErrorCode FindShifts(const MpmContacts *contacts, const MpmSum *sum,
     MpmPatchFrame(contacts, patch)->evaluate(contacts, patch, sum, u, &work, &answer);
     if (!answer.active) continue;
     shift[k] = -answer.gap;
-    *worst   = PetscMax(*worst, PetscAbsReal(answer.gap + patch->shift) / boundary->penetration);
+    *worst   = PetscMax(*worst, PetscAbsReal(answer.gap + patch->shift) / boundary->bounds.penetration);
   }
   PetscCall(MpmPatchWorkDestroy(&work));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, worst, 1, MPIU_REAL, MPIU_MAX, sum->grid->comm));

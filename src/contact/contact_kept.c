@@ -10,6 +10,8 @@
 #include "contact/contact.h"
 #include "contact/rigid_body.h"
 
+#define RECENT 0.05 /* of a step in the mean of pressures */
+
 /* ---- from the points ---- */
 
 /* A number that a facet's point keeps. */
@@ -108,7 +110,10 @@ static PetscErrorCode LoadGaps(MpmContacts *contacts, MpmParticles *particles)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The pressures with which the step starts, of boundaries with method augmented: those of the patches' points. */
+/*
+  The pressures with which the step starts: those of the patches' points. Of boundaries with method augmented, and where
+  friction is by a law of the bed their means over time.
+*/
 static PetscErrorCode LoadPressures(MpmContacts *contacts, MpmParticles *particles)
 {
   PetscReal *pressure;
@@ -116,16 +121,17 @@ static PetscErrorCode LoadPressures(MpmContacts *contacts, MpmParticles *particl
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(contacts->facets.count, &pressure));
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
-    if (!contacts->facets.boundaries[b].augmented) continue;
+    if (!contacts->facets.boundaries[b].fields.pressure) continue;
     PetscCall(
       Load(contacts, b, contacts->facets.boundaries[b].fields.pressure, MPM_PIECE_PRESSURE, particles, pressure));
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       MpmPatch *patch = &contacts->patch[k];
 
       if (patch->boundary != b) continue;
-      patch->shift = 0.;
+      patch->mean = patch->shift = 0.;
       for (PetscInt f = patch->begin; f < patch->end; f++)
-        patch->shift += contacts->facets.at[f].area / patch->area * pressure[f] / patch->stiffness;
+        patch->mean += contacts->facets.at[f].area / patch->area * pressure[f];
+      if (contacts->facets.boundaries[b].augmented) patch->shift = patch->mean / patch->stiffness;
     }
   }
   PetscCall(PetscFree(pressure));
@@ -223,7 +229,7 @@ static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, 
       PetscCall(MpmPointsClear(sum->points->count, slip));
       for (PetscInt k = 0; k < contacts->patch_count; k++)
         for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
-          if (answers[k].active && !contacts->patch[k].flows)
+          if (answers[k].active && !MpmPatchFlows(contacts, &contacts->patch[k]))
             Keep(&contacts->facets.at[f], answers[k].slip[a] / MpmContactsGiving(contacts, b),
                  slip); /* a corner may not touch as its faces do */
       PetscCall(MpmParticlesRestoreField(particles, &slip));
@@ -249,6 +255,36 @@ static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *s
 
       for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
         Keep(&contacts->facets.at[f], -patch->stiffness * answers[k].gap, pressure);
+    }
+    PetscCall(MpmParticlesRestoreField(particles, &pressure));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  Means of the pressure over time, of friction by a law of the bed: contact that comes and goes from step to step has
+  its pressure in some of them only.
+*/
+static PetscErrorCode KeepMeans(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                                MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    PetscReal *pressure;
+
+    if (!contacts->facets.boundaries[b].basal) continue;
+    PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].fields.pressure, &pressure));
+    for (PetscInt p = 0; p < sum->points->count; p++) pressure[p] *= 1. - RECENT;
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPatch *patch = &contacts->patch[k];
+      const PetscReal value = -patch->stiffness * answers[k].gap;
+
+      for (PetscInt f = patch->begin;
+           patch->boundary == b && MpmPatchFlows(contacts, patch) && answers[k].active && f < patch->end; f++) {
+        PetscReal *mean = &pressure[contacts->facets.at[f].point];
+
+        *mean += (*mean > 0. ? RECENT : 1.) * value;
+      }
     }
     PetscCall(MpmParticlesRestoreField(particles, &pressure));
   }
@@ -290,7 +326,7 @@ static PetscErrorCode Break(const MpmContacts *contacts, const MpmPatchAnswer an
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       const MpmPatch *patch = &contacts->patch[k];
       const PetscBool tears =
-        (PetscBool)(patch->broken || patch->stiffness * answers[k].gap > contacts->facets.boundaries[b].tension);
+        (PetscBool)(patch->broken || patch->stiffness * answers[k].gap > contacts->facets.boundaries[b].bounds.tension);
 
       for (PetscInt f = patch->begin; patch->boundary == b && tears && f < patch->end; f++) {
         const PetscInt p = contacts->facets.at[f].point;
@@ -311,6 +347,7 @@ PetscErrorCode MpmContactsKeep(const MpmContacts *contacts, const MpmSum *sum, c
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) PetscCall(ShareParts(contacts, b, sum, answers));
   PetscCall(KeepSlips(contacts, sum, answers, particles));
   PetscCall(KeepPressures(contacts, sum, answers, particles));
+  PetscCall(KeepMeans(contacts, sum, answers, particles));
   PetscCall(KeepGaps(contacts, sum, answers, particles));
   PetscCall(Break(contacts, answers, particles));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -7,6 +7,7 @@
 #include "contact/contact.h"
 #include "contact/contact_law.h"
 #include "contact/rigid_body.h"
+#include "rigid/basal_friction.h"
 
 PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *work)
 {
@@ -71,24 +72,43 @@ static void Glide(const MpmBoundary *boundary, const MpmPatch *patch, PetscReal 
   }
 }
 
+/*
+  The bound of the traction by a law of the bed: its resistance under the mean pressure of the last steps, times the
+  ratio of the present one to it.
+*/
+static PetscReal BasalBound(const MpmContacts *contacts, const MpmPatch *patch, const MpmContactLaw *law,
+                            PetscReal pressure, const PetscReal slip[])
+{
+  const MpmBoundary *boundary = &contacts->facets.boundaries[patch->boundary];
+  const PetscReal    upright  = contacts->facets.at[patch->begin].normal[boundary->dim - 1];
+  const PetscReal    mean = patch->mean > 0. ? patch->mean : pressure, ratio = mean > 0. ? pressure / mean : 0.;
+  PetscReal          size = 0.;
+
+  if (!(ratio > 0.)) return 0.;
+  for (PetscInt a = 0; a < boundary->dim; a++) size += PetscSqr(slip[a]);
+  return ratio * MpmBasalFriction(boundary, mean, PetscAbsReal(upright), PetscSqrtReal(size),
+                                  law->along * law->stiffness / ratio, contacts->dt);
+}
+
 /* The traction along the surface that goes with the mean slip, and its derivatives. */
 static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchAnswer *answer)
 {
-  const MpmBoundary  *boundary = &contacts->facets.boundaries[patch->boundary];
-  const PetscReal     adhesion = patch->held ? PETSC_INFINITY : boundary->adhesion;
-  const PetscReal     strength = patch->held ? PETSC_INFINITY : patch->strength;
-  const MpmContactLaw law      = {.stiffness = patch->stiffness,
-                                  .along     = MpmPatchAlong(contacts, patch),
-                                  .friction  = boundary->friction,
-                                  .adhesion  = adhesion,
-                                  .strength  = strength,
-                                  .stick     = boundary->stick,
-                                  .parts     = (PetscBool)((!boundary->bilateral || patch->broken) && !patch->held),
-                                  .secant    = contacts->newton.secant,
-                                  .least     = contacts->newton.least};
-  const PetscReal     pressure = -patch->stiffness * answer->gap;
-  MpmContactFriction  friction;
+  const MpmBoundary *boundary = &contacts->facets.boundaries[patch->boundary];
+  const PetscReal    adhesion = patch->held ? PETSC_INFINITY : boundary->adhesion;
+  const PetscReal    strength = patch->held ? PETSC_INFINITY : patch->strength;
+  MpmContactLaw      law      = {.stiffness = patch->stiffness,
+                                 .along     = MpmPatchAlong(contacts, patch),
+                                 .friction  = boundary->friction,
+                                 .adhesion  = adhesion,
+                                 .strength  = strength,
+                                 .stick     = boundary->stick,
+                                 .parts     = (PetscBool)((!boundary->bilateral || patch->broken) && !patch->held),
+                                 .secant    = contacts->newton.secant,
+                                 .least     = contacts->newton.least};
+  const PetscReal    pressure = -patch->stiffness * answer->gap;
+  MpmContactFriction friction;
 
+  if (boundary->basal) law.adhesion = BasalBound(contacts, patch, &law, pressure, answer->slip);
   if (patch->held && patch->glides) {
     Glide(boundary, patch, pressure, answer);
     return;
@@ -187,12 +207,12 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
     for (PetscInt a = 0; a < dim && MpmFacetsBody(&contacts->facets, patch->boundary); a++)
       surface->distance += surface->normal[a] * (value[a] - (at[a] - facet->place[a]));
     work->beyond[f - patch->begin] =
-      patch->flows ? 0. : Beyond(contacts, holds, surface->distance - facet->touches - facet->turn);
+      MpmPatchFlows(contacts, patch) ? 0. : Beyond(contacts, holds, surface->distance - facet->touches - facet->turn);
     if (work->beyond[f - patch->begin] != 0.) answer->any = PETSC_TRUE;
     answer->gap += share * (surface->distance - facet->touches - facet->turn);
   }
   answer->gap -= patch->shift;
-  if (patch->flows) answer->active = MpmFlowGap(contacts, patch, &answer->gap);
+  if (MpmPatchFlows(contacts, patch)) answer->active = MpmFlowGap(contacts, patch, &answer->gap);
   else if (!holds) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->facets.touch);
   if (!answer->active) {
     answer->gap = 0.;
@@ -316,6 +336,7 @@ PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal ma
   const PetscReal share    = PetscPowRealInt(0.5, sum->space->dim - 1);
 
   PetscFunctionBeginUser;
+  contacts->dt = sum->step.dt;
   PetscCall(MpmFlowLimit(contacts, sum, mass, dt));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch       *patch   = &contacts->patch[k];
@@ -325,7 +346,7 @@ PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal ma
                                  MpmTurn(sum->points->F_size, contacts->facets.at[patch->begin].place[0])
                                 : patch->area;
 
-    if (patch->flows || !(area > 0.) || !(inverse > 0.)) continue;
+    if (MpmPatchFlows(contacts, patch) || !(area > 0.) || !(inverse > 0.)) continue;
     patch->direct    = PETSC_TRUE;
     patch->stiffness = PetscMin(patch->stiffness, share / (inverse * dt * dt * area));
   }

@@ -136,7 +136,6 @@ static PetscErrorCode MakePatches(MpmContacts *contacts, const MpmRules *rules, 
                                                           .begin    = k,
                                                           .box      = box_begin + contacts->patch_count,
                                                           .round    = (PetscBool)facet->key.round,
-                                                          .flows    = (PetscBool)facet->key.flows,
                                                           .strength = PETSC_INFINITY};
       contacts->patch_count++;
     }

@@ -70,14 +70,15 @@ PetscErrorCode MpmFlowLimit(MpmContacts *contacts, const MpmSum *sum, const Pets
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1((size_t)(sum->space->local * dim) + 1, &sums));
   for (PetscInt k = 0; k < contacts->patch_count; k++)
-    if (contacts->patch[k].flows) (void)Visit(contacts, sum, &contacts->patch[k], mass, sums, PETSC_TRUE);
+    if (MpmPatchFlows(contacts, &contacts->patch[k]))
+      (void)Visit(contacts, sum, &contacts->patch[k], mass, sums, PETSC_TRUE);
   PetscCall(MpmSpaceAddToOwners(sum->space, dim, sums));
   PetscCall(MpmSpaceToGhosts(sum->space, dim, sums));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch *patch = &contacts->patch[k];
     PetscReal total;
 
-    if (!patch->flows) continue;
+    if (!MpmPatchFlows(contacts, patch)) continue;
     total            = Visit(contacts, sum, patch, mass, sums, PETSC_FALSE);
     patch->direct    = PETSC_TRUE;
     patch->stiffness = total > 0. ? 1. / (total * dt * dt * patch->area) : 0.;

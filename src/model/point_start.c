@@ -252,7 +252,8 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
     for (PetscInt a = 0; model->scene.boundaries->at[k].tangential && a < model->disc.dim; a++)
       fields[(*count)++] = model->scene.boundaries->at[k].fields.slip[a];
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
-    if (model->scene.boundaries->at[k].augmented) fields[(*count)++] = model->scene.boundaries->at[k].fields.pressure;
+    if (model->scene.boundaries->at[k].fields.pressure)
+      fields[(*count)++] = model->scene.boundaries->at[k].fields.pressure;
     if (model->scene.boundaries->at[k].bilateral) fields[(*count)++] = model->scene.boundaries->at[k].fields.gap;
     if (model->scene.boundaries->at[k].fields.broken) fields[(*count)++] = model->scene.boundaries->at[k].fields.broken;
   }

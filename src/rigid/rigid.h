@@ -11,7 +11,7 @@
 /* Fields of the points that keep something of a boundary's contact; NULL where there is nothing to keep. */
 typedef struct {
   char *slip[MPM_MAX_DIM]; /* where tangential */
-  char *pressure;          /* where augmented */
+  char *pressure;          /* where augmented; its mean over time where friction is by a law of the bed */
   char *gap;               /* where bilateral */
   char *broken;            /* where it has a tension: 1 where it has let go */
 } MpmBoundaryFields;
@@ -22,22 +22,27 @@ typedef struct {
   PetscReal pressure;     /* Pa */
 } MpmBoundaryWater;
 
-/* A surface that holds the material by a penalty. */
+/* Bounds of a boundary's contact. */
 typedef struct {
-  char             *name;
-  PetscInt          dim;
-  MpmSolid          solid;
-  PetscReal         penalty, friction, adhesion;  /* Coulomb's coefficient; Pa */
-  PetscBool         stick, tangential, bilateral; /* tangential: something acts along the surface */
-  PetscBool         firm;                         /* the penalty holds for all materials */
-  MpmBoundaryWater  water;
+  PetscReal penetration; /* accepted depth where augmented, m */
+  PetscReal tension;     /* pull at which a bilateral one opens for good, Pa; 0: none */
+} MpmBoundaryBounds;
+
+/* A surface that holds the material by a penalty. */
+typedef struct MpmBoundary {
+  char            *name;
+  PetscInt         dim;
+  MpmSolid         solid;
+  PetscReal        penalty, friction, adhesion;        /* Coulomb's coefficient; Pa */
+  PetscBool        stick, tangential, bilateral, firm; /* tangential: something acts along it; firm: penalty is given */
+  MpmMaterial     *basal;                              /* friction by a law of the bed; NULL: by the coefficient */
+  MpmBoundaryWater water;
   MpmBoundaryFields fields;
   MpmRegion         region; /* of the contact candidates, at the start */
   MpmMotion         motion;
-  MpmFreedom       *freedom;     /* NULL: all of its motion is prescribed */
-  PetscBool         augmented;   /* pressures are corrected until the depth is below `penetration` */
-  PetscReal         penetration; /* accepted depth, m */
-  PetscReal         tension;     /* pull at which a bilateral one opens for good, Pa; 0: none */
+  MpmFreedom       *freedom;   /* NULL: all of its motion is prescribed */
+  PetscBool         augmented; /* pressures are corrected until the depth is below `penetration` */
+  MpmBoundaryBounds bounds;
 } MpmBoundary;
 
 /* Boundaries, with the names of their blocks. */

@@ -5,6 +5,7 @@
     type      with its options: geometry/solid.c
     contact   unilateral (default): only pushes; bilateral: also pulls the points that lie at it at the start
     friction  frictionless (default) or stick
+    basal     in its place: a law of the bed (basal_friction.c)
     penalty   times Young's modulus over the smallest cell size: pressure by depth
     motion    displacement of the surface in total, times ramp; also rotation about a pivot, or a table (motion.c)
     growth    of a sphere's or cylinder's radius in total, times ramp; material that sticks moves straight away from the
@@ -16,6 +17,7 @@
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "rigid/added_body.h"
+#include "rigid/basal_friction.h"
 #include "rigid/rigid.h"
 #include "rigid/rigid_motion.h"
 
@@ -107,7 +109,7 @@ static PetscErrorCode ReadMethod(const MpmOptions *block, MpmBoundary *boundary)
   if (!augmented && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsReal(block, "penetration", "of its size", "mean depth in a cell that method augmented leaves",
                            MPM_RANGE_POSITIVE, MPM_OPTIONAL, &share, NULL));
-  boundary->penetration = share * MpmSolidSize(&boundary->solid);
+  boundary->bounds.penetration = share * MpmSolidSize(&boundary->solid);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -133,7 +135,7 @@ static PetscErrorCode NameFields(MpmBoundary *boundary, PetscBool tears)
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(field, sizeof(field), "pressure_%s", boundary->name));
-  if (boundary->augmented) PetscCall(PetscStrallocpy(field, &boundary->fields.pressure));
+  if (boundary->augmented || boundary->basal) PetscCall(PetscStrallocpy(field, &boundary->fields.pressure));
   PetscCall(PetscSNPrintf(field, sizeof(field), "held_%s", boundary->name));
   if (boundary->bilateral) PetscCall(PetscStrallocpy(field, &boundary->fields.gap));
   PetscCall(PetscSNPrintf(field, sizeof(field), "broken_%s", boundary->name));
@@ -174,12 +176,14 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   PetscCall(MpmOptionsWord(&block, "contact", "unilateral: pushes only; bilateral: holds the points at it at the start",
                            contacts, MPM_OPTIONAL, &bilateral, NULL));
   PetscCall(MpmFrictionRead(&block, &boundary->friction, &boundary->adhesion, &boundary->stick));
-  boundary->tangential = (PetscBool)(boundary->stick || boundary->friction > 0. || boundary->adhesion > 0.);
-  boundary->bilateral  = (PetscBool)bilateral;
+  PetscCall(MpmBasalFrictionRead(options, &block, boundary));
+  boundary->tangential =
+    (PetscBool)(boundary->stick || boundary->basal || boundary->friction > 0. || boundary->adhesion > 0.);
+  boundary->bilateral = (PetscBool)bilateral;
   PetscCall(
     MpmOptionsReal(&block, "tension", "Pa",
                    "pull by area at a step's end with which a bilateral boundary lets go for good; by default it holds",
-                   MPM_RANGE_POSITIVE, MPM_OPTIONAL, &boundary->tension, &tears));
+                   MPM_RANGE_POSITIVE, MPM_OPTIONAL, &boundary->bounds.tension, &tears));
   MpmCheckInput(MpmOptionsHelp() || !tears || bilateral,
                 "-%stension: a unilateral boundary carries none; must be with -%scontact bilateral", prefix, prefix);
   PetscCall(MpmOptionsReal(&block, "penalty", "E/h",
@@ -199,6 +203,7 @@ PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmAddedBodyDestroy(&boundary->solid));
+  PetscCall(MpmBasalFrictionDestroy(boundary));
   PetscCall(PetscFree(boundary->name));
   PetscCall(PetscFree(boundary->fields.pressure));
   PetscCall(PetscFree(boundary->fields.gap));

@@ -252,6 +252,10 @@ static PetscErrorCode CheckExplicit(const MpmModel model, const MpmStage *stage)
   PetscReal             cell = PETSC_MAX_REAL;
 
   PetscFunctionBeginUser;
+  for (PetscInt b = 0; time->motion.type != MPM_EXPLICIT && b < model->scene.boundaries->count; b++)
+    MpmCheckInput(!model->scene.boundaries->at[b].basal,
+                  "-mpm_boundary_%s_basal: friction by a law of the bed needs explicit steps in all stages",
+                  model->scene.boundaries->names[b]);
   if (time->motion.type != MPM_EXPLICIT && !time->rescue) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < model->scene.pairs->count; k++)
     MpmCheckInput(!model->scene.pairs->at[k].barrier,

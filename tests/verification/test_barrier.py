@@ -2,7 +2,7 @@
 """Flow in three dimensions over a bed and against a wall: contact of material that flows, in explicit steps.
 
 Water runs down a slope and over its foot: no point is lost or goes through the bed, and contact adds no energy. In a
-tank whose bed and wall cut the cells the wall carries rho g h^2/2. Ranks agree.
+tank whose bed and wall cut the cells the wall carries rho g h^2/2. Friction is by a law of the bed, too. Ranks agree.
 
 Quick.
 """
@@ -55,6 +55,26 @@ TANK = """mpm:
   quiet: true
 """
 
+BRAKE = """mpm:
+  dim: 3
+  bed: "0.1,0,0"
+  grid: {{lower: "0,0,0", upper: "12,0.5,2", cells: "24,1,4"}}
+  materials: water
+  material_water: {{type: newtonian, density: 1000, sound_speed: 60}}{mud}
+  bodies: water
+  body_water: {{region: columns, depth: 0.25, velocity_x: 5, columns_per_cell: "2,2", spacing: 0.25, upper: "10,0.5", material: water}}
+  boundaries: ground
+  boundary_ground: {{type: terrain, {friction}}}
+  bcs: sides
+  bc_sides: {{region: all, components: "y"}}
+  loads: weight
+  load_weight: {{type: gravity, value: "0,0,-9.81", ramp: "0:1"}}
+  time: {{integrator: {integrator}, end: {end}}}
+  output: {{every: 10000}}
+  quiet: true
+"""
+MUD = "\n  material_mud: {{type: {}, density: 1000}}"
+
 
 def bed(x):
     return np.maximum(10 - x / 3, 10 - 10 / 3)
@@ -99,7 +119,32 @@ def tank(test):
     test.near("tank.floor", mean["reaction_ground_z"], 1000 * G * 2.0 * 0.25, relative=0.01)
 
 
+def brake(test):
+    """A thin layer on its bed: Coulomb's law of the bed is friction, and Voellmy's has its turbulent part."""
+    folder = test.folder()
+
+    def run(label, friction, mud="", end=0.1, integrator="explicit, cfl: 0.5", **options):
+        (folder / f"{label}.yaml").write_text(BRAKE.format(friction=friction, mud=MUD.format(mud) if mud else "", end=end,
+                                                           integrator=integrator))
+        return test.run(folder / f"{label}.yaml", **options)
+
+    coulomb = run("coulomb", "basal: mud", "coulomb, mu: 0.2").results.column("momentum_x")
+    friction = run("friction", "friction: 0.2").results.column("momentum_x")
+    test.check("brake.coulomb", difference(coulomb, friction), 0, 1e-12)
+    voellmy = run("voellmy", "basal: mud", "voellmy, mu: 0.2, xi: 200", end=0.02).results
+    force = -(voellmy.column("reaction_ground_x") * voellmy.column("dt")).sum() / voellmy.column("dt").sum()
+    speed = float(voellmy.column("momentum_x").mean()) / (1000 * 0.25 * 5)
+    test.near("brake.voellmy", float(force), 1000 * G * 5 * (0.2 * 0.25 + speed**2 / 200), relative=0.05)
+    for label, friction, words, integrator in (
+            ("both", "basal: mud, friction: 0.2", "not with friction or adhesion", "explicit, cfl: 0.5"),
+            ("implicit", "basal: mud", "needs explicit steps", "newmark, step: 0.1")):
+        refused = run(label, friction, "coulomb, mu: 0.2", integrator=integrator, status=2)
+        test.check(f"{label}.line", words in refused.errors and refused.errors.count("\n") == 1, 1, 1)
+        test.check(f"{label}.files", len(refused.files), 0, 0)
+
+
 if __name__ == "__main__":
     with Test() as test:
         slide(test)
         tank(test)
+        brake(test)
