@@ -19,7 +19,7 @@ AZIMUTH, ALTITUDE = np.radians(315.0), np.radians(45.0)
 LEAST = 0.01  # of the largest depth: what is thinner is not drawn
 LINES = 12  # contours of the bed
 RELEASE, DEPOSIT = "#0072B2", "#D55E00"
-UNITS = {"depth": "m", "depth_normal": "m", "deposit": "m", "deposit_normal": "m", "bed": "m", "speed": "m/s",
+UNITS = {"depth": "m", "depth_normal": "m", "deposit": "m", "deposit_normal": "m", "bed": "m", "bed_change": "m", "speed": "m/s",
          "velocity_x": "m/s", "velocity_y": "m/s", "pressure": "kPa", "arrival": "s"}
 
 

@@ -60,7 +60,7 @@ static PetscReal Eroded(const MpmEntrainment *of, const Node *node, const MpmBed
   const PetscReal excess = shear->stress - ByPlace(&of->erosion.strength, x);
   PetscReal       mass;
 
-  if (!(shear->speed > 0.) || !(excess > 0.) || !(left > 0.)) return 0.;
+  if (!(shear->speed > 0.) || excess < 0. || !(left > 0.)) return 0.;
   mass = of->erosion.distance ? node->mass * PetscExpReal(of->erosion.rate * shear->speed * dt) - node->mass
                               : node->ground * node->area * of->erosion.rate * excess * dt;
   return PetscMin(mass, node->ground * left);
