@@ -144,5 +144,6 @@ PetscErrorCode MpmGradientCheck(MpmModel model)
     PetscCall(FindDifference(model, &subject, &difference));
     PetscCall(Compare(model, &subject, &difference));
   }
+  PetscCall(MpmTaylorCheck(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

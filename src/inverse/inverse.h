@@ -13,6 +13,8 @@ PetscErrorCode MpmGradientFindStart(MpmModel model);
 PetscErrorCode MpmTwinsFind(MpmModel model);
 /* Of the task check_gradient: derivatives against those of changed runs (gradient_check.c); fails the run's outcome. */
 PetscErrorCode MpmGradientCheck(MpmModel model);
+/* Its second part: rates of Taylor's remainders along random directions of all numbers (taylor.c). Collective. */
+PetscErrorCode MpmTaylorCheck(MpmModel model);
 /* The task inverse (run.c): the scene itself is not run, but others of it; `status` of the program. */
 PetscErrorCode MpmInverseRun(MpmModel model, int *status);
 /* Derivatives by fields, into files of their own and the summary; nothing where there are none. Collective. */

@@ -158,6 +158,17 @@ PetscErrorCode MpmTwinRun(MpmModel model, PetscInt k, double value, MpmTwin *twi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmTwinRunAll(MpmModel model, const PetscReal value[], MpmTwin *twin)
+{
+  const MpmSceneParameters *parameters = &model->gradient->parameters;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < parameters->count; k++) PetscCall(MpmSceneParameterSet(&parameters->at[k], value[k]));
+  PetscCall(Run(model, twin));
+  for (PetscInt k = parameters->count - 1; k >= 0; k--) PetscCall(MpmSceneParameterReset(&parameters->at[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode NameValues(const MpmGround *ground, char name[PETSC_MAX_OPTION_NAME])
 {
   PetscFunctionBeginUser;

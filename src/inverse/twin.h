@@ -21,6 +21,8 @@ typedef struct {
   model's options are in force, and are those of the scene again in the end. Collective.
 */
 PetscErrorCode MpmTwinRun(MpmModel model, PetscInt k, double value, MpmTwin *twin);
+/* Likewise all parameters at values. */
+PetscErrorCode MpmTwinRunAll(MpmModel model, const PetscReal value[], MpmTwin *twin);
 /* Likewise a field, changed by a part of the tangent run's direction d (MpmGroundDirectionsCreate). */
 PetscErrorCode MpmTwinRunField(MpmModel model, PetscInt d, PetscReal part, MpmTwin *twin);
 PetscErrorCode MpmTwinDestroy(MpmTwin *twin);

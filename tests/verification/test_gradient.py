@@ -7,6 +7,7 @@ over all of these is 0 for a displacement and y for a force.
 
 Quick.
 """
+import re
 import sys
 from pathlib import Path
 
@@ -101,6 +102,14 @@ with Test() as test:
     lines = [line for line in run.output.splitlines() if "tangent" in line]
     test.check("check.lines", len(lines), 2, 2)
     test.check("check.differences", sum("apart; differences" in line for line in lines), 2, 2)
+    bar = {**check, "mpm_shape": "gimp_bspline2", "mpm_grid_cells": "1,32", "mpm_grid_upper": "1.5625,50", "mpm_time_step": 0.25,
+           "mpm_gradient_parameters": "column.E,column.density", "mpm_objective_u_column": "track_top_uy"}
+    lines = re.findall(r"random direction .* rates by decade ([^:]*): near 2 over (\d+)", test.run(example("bar_elastic"), **bar).output)
+    test.check("taylor.directions", len(lines), 2, 2)
+    for n, (rates, decades) in enumerate(lines):
+        test.check(f"taylor.{n}.decades", int(decades), 3, 4)
+        for rate in rates.split(", "):
+            test.near(f"taylor.{n}.rate", float(rate), 2.0, absolute=0.05)
     loose = {**check, "mpm_gradient_parameters": "beam.E", "snes_rtol": 0.1}  # no solution that has a derivative
     run = test.run(example("cantilever"), status=3, **{**CANTILEVER, "mpm_time_step": 0.2}, **loose)
     test.check("check.fails", "derivative by beam.E" in run.errors, 1, 1)
