@@ -4,6 +4,8 @@
 #include "options/options.h"
 #include "grid/grid.h"
 #include "io/csv_table.h"
+#include "maps/map.h"
+#include "maps/outline.h"
 #include "handover/handover.h"
 #include "handover/hydrograph.h"
 
@@ -124,6 +126,44 @@ static PetscErrorCode TakeLine(const MpmOptions *block, const MpmGrid *grid, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Ends of the line in a file. */
+static PetscErrorCode ReadLineFile(const MpmOptions *block, const char path[], PetscReal line[4])
+{
+  const MpmPlane *plane                    = MpmRecordPlane(block->record);
+  MpmOutlineAsk   ask                      = {0};
+  MpmOutline      outline                  = {0};
+  char            message[MPM_MAP_MESSAGE] = "";
+
+  PetscFunctionBeginUser;
+  if (plane) ask = (MpmOutlineAsk){plane->project, plane->system, {plane->origin[0], plane->origin[1]}};
+  PetscCall(MpmOutlineRead(path, &ask, &outline, message));
+  MpmCheckInput(!message[0], "-%sfile %s: %s", block->prefix, path, message);
+  MpmCheckInput(outline.features == 1 && outline.feature[0].type == MPM_OUTLINE_LINE && outline.paths == 1 &&
+                  outline.start[1] - outline.start[0] == 2,
+                "-%sfile %s: must have one line, of two vertices", block->prefix, path);
+  PetscCall(PetscArraycpy(line, outline.at, 4));
+  PetscCall(MpmOutlineDestroy(&outline));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadLine(const MpmOptions *block, PetscReal line[4])
+{
+  PetscBool given;
+  char     *path;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsReals(block, "line", "m",
+                            "region hydrograph: ends of the line, x and y of each; material comes from its left",
+                            MPM_RANGE_ANY, MPM_OPTIONAL, 4, line, &given));
+  PetscCall(MpmOptionsPath(block, "file", "region hydrograph: file of that line, GeoJSON or what GDAL reads",
+                           MPM_OPTIONAL, &path));
+  MpmCheckInput(given != (path != NULL) || MpmOptionsHelp(), "-%sline or -%sfile: one of them must be given",
+                block->prefix, block->prefix);
+  if (path && !MpmOptionsHelp()) PetscCall(ReadLineFile(block, path, line));
+  PetscCall(PetscFree(path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadInlet(const MpmOptions *block, const MpmGrid *grid, PetscInt per_cell[2], char **path,
                                 MpmInlet *inlet)
 {
@@ -133,9 +173,7 @@ static PetscErrorCode ReadInlet(const MpmOptions *block, const MpmGrid *grid, Pe
   PetscBool   fast, deep;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsReals(block, "line", "m",
-                            "region hydrograph: ends of the line, x and y of each; material comes from its left",
-                            MPM_RANGE_ANY, MPM_REQUIRED, 4, line, NULL));
+  PetscCall(ReadLine(block, line));
   PetscCall(MpmOptionsPath(block, "table", "region hydrograph: CSV file with the columns time, s, and discharge, m3/s",
                            MPM_REQUIRED, path));
   PetscCall(MpmOptionsReal(block, "speed", "m/s", "region hydrograph: horizontal speed with which material comes in",

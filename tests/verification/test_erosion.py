@@ -177,7 +177,7 @@ def inflow(test):
     run = test.run(channel(test, f"speed: {q / h!r}", "0,8\n100,8\n", 40))
     for name, value, exact in zip(("depth", "speed"), near(run.results.state("last"), 30.0), (h, q / h)):
         test.near(f"manning.{name}", value, exact, relative=1e-4)
-    balances(test, "manning", run, 5e-3)  # at the open end flow falls off within a cell, and loses some of it
+    balances(test, "manning", run, 5e-3)  # flow falls off at the open end within a cell
     sine = 0.15 / math.hypot(1.0, 0.15)
     h = (q * q / (300.0 * (sine - 0.05 * sine / 0.15))) ** (1 / 3)
     c = sine / 0.15
@@ -185,10 +185,12 @@ def inflow(test):
     for name, value, exact in zip(("depth", "speed"), near(run.results.state("last"), 50.0), (h / c, q / h * c)):
         test.near(f"voellmy.{name}", value, exact, relative=5e-3)
     scene = channel(test, "flow_depth: 0.4", "0,0\n4,12\n16,0\n", 18)
+    scene.write_text(scene.read_text().replace('line: "0,0,0,4"', "file: line.geojson"))
+    (scene.parent / "line.geojson").write_text('{"type": "LineString", "coordinates": [[0, 0], [0, 4]]}')
     run = test.run(scene, mpm_checkpoint_every=30, mpm_checkpoint_keep=9)
     history, state = run.results.history, run.results.state("last")
     test.near("flood.mass", float(history["mass_in"][-1]), 96000.0, relative=1e-12)
-    balances(test, "flood", run, 1e-2)
+    balances(test, "flood", run, 1e-2)  # with a bore
     for label, other in (("ranks", test.run(scene, ranks=3)), ("restart", test.run(scene, mpm_restart=sorted(run.folder.glob("*checkpoint_*.h5"))[0]))):
         last = other.results.state("last")
         a, b = (s["id"].ravel().argsort() for s in (state, last))
@@ -196,7 +198,7 @@ def inflow(test):
             test.check(f"flood.{label}.{name}", float(abs(state[name][a] - last[name][b]).max()), 0, 1e-10)
         test.near(f"flood.{label}.mass_in", float(other.results.history["mass_in"][-1]), float(history["mass_in"][-1]), relative=1e-13)
     for label, words, options in (("both", "one of them must be given", {"mpm_body_river_speed": "2"}),
-                                  ("line", "is out of the grid", {"mpm_body_river_line": "0,0,0,5"}),
+                                  ("line", "-mpm_body_river_file: one of them must be given", {"mpm_body_river_line": "0,0,0,5"}),
                                   ("table", "cannot be read", {"mpm_body_river_table": scene.parent / "nowhere.csv"}),
                                   ("rate", "-mpm_erosion_rate", {"mpm_erosion_depth": "1"})):
         wrong = test.run(scene, status=2, **options)
