@@ -18,7 +18,7 @@ import subprocess
 import sys
 
 NAME = r"[A-Za-z0-9_]+"
-REGIONS = ("body", "bc", "load", "track", "motion", "surface", "boundary", "profile", "section")
+REGIONS = ("body", "bc", "load", "track", "motion", "surface", "boundary", "profile", "section", "forest")
 NUMBERS = r"^\s*[-+0-9.eE]+(\s*,\s*[-+0-9.eE]+)*\s*$"
 PETSC = "options that stand beside `mpm` are PETSc's, as -snes_rtol"
 
@@ -68,9 +68,9 @@ def value(option):
 
 
 def widen(option):
-    """A material's number may vary by height or come from a file."""
+    """A material's number may vary by height or come from a file, and some others are maps."""
     schema = value(option)
-    if option["path"].startswith("material_NAME_") and option["type"] == "number":
+    if option["type"] == "number" and (option["path"].startswith("material_NAME_") or "or a map of it" in option["help"]):
         return {"anyOf": [schema, {"type": "string"}], "description": schema["description"]}
     return schema
 
@@ -130,7 +130,7 @@ def kinds(options):
     for option in options:
         match = re.match(r"([a-z]+)_NAME_(.+)", option["path"])
         if match:
-            found.setdefault(match[1], Node()).add(match[2], value(option))
+            found.setdefault(match[1], Node()).add(match[2], widen(option))
         elif option["path"].startswith("BLOCK_"):
             for kind in REGIONS:
                 found.setdefault(kind, Node()).add(option["path"].removeprefix("BLOCK_"), value(option))
@@ -144,7 +144,7 @@ def schema(options):
     top = Node()
     for option in options:
         if "NAME" not in option["path"] and "BLOCK" not in option["path"]:
-            top.add(option["path"], value(option))
+            top.add(option["path"], widen(option))
     scene = top.schema()
     flat = {"type": ["string", "number", "boolean", "null", "array"]}  # an option of the block by its whole name
     scene["patternProperties"] = {f"^{kind}_{NAME}$": {"anyOf": [block, flat]} for kind, block in kinds(options).items()}
