@@ -6,13 +6,14 @@ tank whose bed and wall cut the cells the wall carries rho g h^2/2. Friction is 
 
 Quick.
 """
+import shutil
 import sys
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import Test, difference  # noqa: E402
+from talus_test import EXAMPLES, Test, call, difference  # noqa: E402
 from maps import write_ascii  # noqa: E402
 
 G = 9.81
@@ -143,8 +144,23 @@ def brake(test):
         test.check(f"{label}.files", len(refused.files), 0, 0)
 
 
+def example_runs(test, name, scenes, body):
+    """An example's depth-averaged run, and the scenes in 3D after it: file and options by name."""
+    folder = test.folder()
+    test.check(f"{name}.made", call([sys.executable, EXAMPLES / name / "make.py", folder / "out"], folder).returncode, 0, 0)
+    flow = None
+    for scene, options in scenes.items():
+        shutil.copy(EXAMPLES / name / f"{scene}.yaml", folder)
+        if options == "on":
+            options = {f"mpm_body_{body}_file": flow.prefix + ".h5"}
+        run = test.run(folder / f"{scene}.yaml", **options)
+        flow = flow or run
+        test.check_example(f"{name}.{scene}", run, name)
+
+
 if __name__ == "__main__":
     with Test() as test:
         slide(test)
         tank(test)
         brake(test)
+        example_runs(test, "sliding_to_wall", {"case": {}, "wall": "on", "pond": {}}, "water")
