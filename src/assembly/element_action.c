@@ -15,6 +15,10 @@
 void MpmElementActNodes(const MpmElementAction *action, PetscInt bs, PetscInt n, const PetscInt nodes[],
                         const PetscReal element[])
 {
+  if (action->take) {
+    action->take(action->ctx, n, nodes, element);
+    return;
+  }
   for (PetscInt k = 0; k < n * bs * bs; k++) {
     const PetscInt i = k / (bs * bs), c = k / bs % bs, d = k % bs;
 
@@ -46,9 +50,29 @@ static void ActProduct(const MpmElementAction *action, PetscInt bs, PetscInt n, 
       action->blocks[(nodes[k / bs] * bs + k % bs) * bs + d] += left[k] * right[k / bs * bs + d];
 }
 
+/* a b^T + b c^T as a block. */
+static void TakePair(const MpmElementAction *action, PetscInt bs, PetscInt n, const PetscInt nodes[],
+                     const PetscReal *const pair[3])
+{
+  PetscReal *element;
+
+  if (PetscMalloc1((n * bs * n * bs), &element)) return;
+  for (PetscInt k = 0; k < n * bs * n * bs; k++) {
+    const PetscInt row = k / (bs * n), column = k % n * bs + k / n % bs;
+
+    element[k] = pair[0][row] * pair[1][column] + pair[1][row] * pair[2][column];
+  }
+  action->take(action->ctx, n, nodes, element);
+  (void)PetscFree(element);
+}
+
 void MpmElementActPair(const MpmElementAction *action, PetscInt bs, PetscInt n, const PetscInt nodes[],
                        const PetscReal a[], const PetscReal b[], const PetscReal c[])
 {
+  if (action->take) {
+    TakePair(action, bs, n, nodes, (const PetscReal *const[3]){a, b, c});
+    return;
+  }
   ActProduct(action, bs, n, nodes, a, b);
   ActProduct(action, bs, n, nodes, b, c);
 }

@@ -8,12 +8,15 @@
 
 /*
   Substitute of the matrix's values (element_action.c): products of the blocks with x, or of their transposes, added to
-  y, and diagonal blocks, block^2 values a node; NULL: none. Arrays at the local nodes.
+  y, and diagonal blocks, block^2 values a node; NULL: none. Arrays at the local nodes. Or `take` gets the blocks
+  themselves, stored [i][c][c'][j], of n local nodes, -1 for holes.
 */
-typedef struct {
+typedef struct MpmElementAction {
   const PetscReal *x;
   PetscReal       *y, *blocks;
   PetscBool        transposed;
+  void (*take)(void *ctx, PetscInt n, const PetscInt nodes[], const PetscReal element[]);
+  void *ctx;
 } MpmElementAction;
 
 /* Entries that need not stand in a window, by row. */

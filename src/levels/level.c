@@ -6,34 +6,7 @@
 #include "grid/grid.h"
 #include "space/space.h"
 #include "bc/bc.h"
-#include "levels/level.h"
-#include "levels/two_scale.h"
-
-#define NUMBERS (MPM_MAX_DIM + 1)          /* of a node: three indices, and its part */
-#define HELD    MPM_MAX_BLOCK              /* of a node's bits: from here on those of prescribed components */
-#define PRESENT (1 << (2 * MPM_MAX_BLOCK)) /* some fine node names it */
-
-/* A box of lattice nodes of all parts with a number each. */
-typedef struct {
-  PetscInt  lower[NUMBERS], size[NUMBERS];
-  PetscInt *value;
-} Map;
-
-/* For each index of an axis of the fine lattice: the coarse nodes and their shares. */
-typedef struct {
-  PetscInt   lower; /* fine index of the first entry */
-  PetscInt  *first, *count;
-  PetscReal *weight; /* MPM_TWO_SCALE_MOST an entry */
-} Axis;
-
-typedef struct {
-  const MpmLevelRules *rules;
-  const MpmLevel      *fine;
-  MpmLevel            *coarse;
-  PetscInt             step[MPM_MAX_DIM]; /* cells that become one, by axis */
-  Axis                 axis[MPM_MAX_DIM];
-  Map                  named, own; /* coarse nodes named by this rank, and its own */
-} Coarsening;
+#include "levels/level_impl.h"
 
 PetscErrorCode MpmLevelDestroy(MpmLevel *level)
 {
@@ -54,17 +27,17 @@ PetscErrorCode MpmLevelOfSpace(const MpmSpace *space, const MpmConstraints *cons
     level->ratio[a] = 1;
     level->last[a]  = grid->nodes[a] - 1;
   }
-  level->parts = PetscMax(space->parts.count, 1);
+  level->local = space->local;
   level->owned = space->owned;
   level->begin = space->number.begin;
   level->count = space->number.count;
-  PetscCall(PetscMalloc1((space->owned * NUMBERS), &level->at));
-  PetscCall(PetscCalloc2(space->owned, &level->free, space->owned, &level->held));
-  for (PetscInt i = 0; i < space->owned; i++) {
+  PetscCall(PetscMalloc1((space->local * NUMBERS), &level->at));
+  PetscCall(PetscCalloc2(space->local, &level->free, space->local, &level->held));
+  for (PetscInt i = 0; i < space->local; i++) {
     const PetscInt *node = &space->node[i * space->dim];
 
     MpmSpaceAt(space, node, &level->at[i * NUMBERS]);
-    level->at[i * NUMBERS + MPM_MAX_DIM] = MpmSpacePart(space, node);
+    level->at[i * NUMBERS + MPM_MAX_DIM] = MpmSpaceIsExtra(space, i) ? NOWHERE : MpmSpacePart(space, node);
     for (PetscInt c = 0; c < bs; c++) {
       const PetscInt condition = constraints->condition[i * bs + c];
 
@@ -101,14 +74,6 @@ static PetscInt MapSize(const Map *map)
   return map->size[0] * map->size[1] * map->size[2] * map->size[3];
 }
 
-static PetscInt *MapAt(const Map *map, const PetscInt at[])
-{
-  PetscInt place = 0;
-
-  for (PetscInt a = MPM_MAX_DIM; a >= 0; a--) place = place * map->size[a] + at[a] - map->lower[a];
-  return &map->value[place];
-}
-
 /* The node of a place in the map's array. */
 static void MapNode(const Map *map, PetscInt place, PetscInt at[])
 {
@@ -121,7 +86,7 @@ static void MapNode(const Map *map, PetscInt place, PetscInt at[])
 /* ---- relations ---- */
 
 /* Relations of the axes, at the indices of this rank's nodes. */
-static PetscErrorCode MakeAxes(Coarsening *to, PetscInt places)
+static PetscErrorCode MakeAxes(Coarsening *to)
 {
   const MpmLevel *fine = to->fine;
 
@@ -135,11 +100,13 @@ static PetscErrorCode MakeAxes(Coarsening *to, PetscInt places)
     Axis             *axis     = &to->axis[a];
     PetscInt          end      = 0;
 
-    axis->lower = places ? PETSC_INT_MAX : 0;
-    for (PetscInt i = 0; i < places; i++) {
+    axis->lower = fine->last[a] + 1;
+    for (PetscInt i = 0; i < fine->local; i++) {
+      if (!HasPlace(fine, i)) continue;
       axis->lower = PetscMin(axis->lower, fine->at[i * NUMBERS + a]);
       end         = PetscMax(end, fine->at[i * NUMBERS + a] + 1);
     }
+    axis->lower = PetscMin(axis->lower, end);
     PetscCall(PetscMalloc3((end - axis->lower), &axis->first, (end - axis->lower), &axis->count,
                            ((end - axis->lower) * MPM_TWO_SCALE_MOST), &axis->weight));
     for (PetscInt k = 0; k < end - axis->lower; k++) {
@@ -154,54 +121,15 @@ static PetscErrorCode MakeAxes(Coarsening *to, PetscInt places)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The coarse nodes of fine node i: a box of `count` from `first` on, and their shares along the axes. */
-typedef struct {
-  PetscInt         first[NUMBERS], count[MPM_MAX_DIM], total;
-  const PetscReal *weight[MPM_MAX_DIM];
-} Parents;
-
-static Parents ParentsOf(const Coarsening *to, PetscInt i)
-{
-  const PetscInt *at = &to->fine->at[i * NUMBERS];
-  Parents         of = {.total = 1};
-
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const Axis    *axis = &to->axis[a];
-    const PetscInt k    = at[a] - axis->lower;
-
-    of.first[a]  = axis->first[k];
-    of.count[a]  = axis->count[k];
-    of.weight[a] = &axis->weight[k * MPM_TWO_SCALE_MOST];
-    of.total *= of.count[a];
-  }
-  of.first[MPM_MAX_DIM] = at[MPM_MAX_DIM];
-  return of;
-}
-
-/* The k-th of them; returns its share. */
-static PetscReal ParentAt(const Parents *of, PetscInt k, PetscInt at[])
-{
-  PetscReal share = 1.;
-
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const PetscInt j = k % of->count[a];
-
-    at[a] = of->first[a] + j;
-    share *= of->weight[a][j];
-    k /= of->count[a];
-  }
-  at[MPM_MAX_DIM] = of->first[MPM_MAX_DIM];
-  return share;
-}
-
 /* Bits of the coarse nodes that this rank's nodes name: what is solved for at any of these, in components by axes. */
-static PetscErrorCode NameNodes(Coarsening *to, PetscInt places, const MpmConstraints *constraints)
+static PetscErrorCode NameNodes(Coarsening *to, const MpmConstraints *constraints)
 {
   PetscInt at[NUMBERS];
 
   PetscFunctionBeginUser;
   MapClear(&to->named);
-  for (PetscInt i = 0; i < places; i++) {
+  for (PetscInt i = 0; i < to->fine->local; i++) {
+    if (!HasPlace(to->fine, i)) continue;
     const Parents of = ParentsOf(to, i);
 
     MapInclude(&to->named, of.first);
@@ -209,7 +137,8 @@ static PetscErrorCode NameNodes(Coarsening *to, PetscInt places, const MpmConstr
     MapInclude(&to->named, at);
   }
   PetscCall(PetscCalloc1(MapSize(&to->named), &to->named.value));
-  for (PetscInt i = 0; i < places; i++) {
+  for (PetscInt i = 0; i < to->fine->local; i++) {
+    if (!HasPlace(to->fine, i)) continue;
     const Parents of   = ParentsOf(to, i);
     PetscInt      bits = to->fine->free[i] | PRESENT;
 
@@ -302,11 +231,11 @@ static PetscErrorCode CollectOwn(Coarsening *to, const MpmLists *wanted)
 }
 
 /* An unknown that is prescribed at a fine node is prescribed at the coarse node in its place. */
-static void HoldCoarse(const Coarsening *to, PetscInt places, const MpmConstraints *constraints)
+static void HoldCoarse(const Coarsening *to, const MpmConstraints *constraints)
 {
-  for (PetscInt i = 0; i < places; i++) {
+  for (PetscInt i = 0; i < to->fine->owned; i++) {
     PetscInt  at[NUMBERS], held = to->fine->held[i];
-    PetscBool coarse = PETSC_TRUE;
+    PetscBool coarse = HasPlace(to->fine, i);
 
     for (PetscInt a = 0; a < NUMBERS; a++) {
       const PetscInt step = a < MPM_MAX_DIM ? to->step[a] : 1;
@@ -330,7 +259,7 @@ static PetscErrorCode NumberOwn(Coarsening *to)
 
   PetscFunctionBeginUser;
   for (PetscInt place = 0; place < size; place++) node += to->own.value[place] != 0;
-  coarse->owned = node + extra;
+  coarse->owned = coarse->local = node + extra;
   PetscCallMPI(MPI_Scan(&coarse->owned, &coarse->begin, 1, MPIU_INT, MPI_SUM, rules->comm));
   coarse->begin -= coarse->owned;
   PetscCall(MPIU_Allreduce(&coarse->owned, &coarse->count, 1, MPIU_INT, MPI_SUM, rules->comm));
@@ -344,7 +273,10 @@ static PetscErrorCode NumberOwn(Coarsening *to)
     coarse->free[node]   = to->own.value[place] & ((1 << HELD) - 1) & ~coarse->held[node];
     to->own.value[place] = 1 + coarse->begin + node++;
   }
-  for (PetscInt k = 0; k < extra; k++) coarse->free[node + k] = to->fine->free[to->fine->owned - extra + k];
+  for (PetscInt k = 0; k < extra; k++) {
+    coarse->free[node + k]                         = to->fine->free[to->fine->owned - extra + k];
+    coarse->at[(node + k) * NUMBERS + MPM_MAX_DIM] = NOWHERE;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -382,7 +314,7 @@ static PetscErrorCode NumberNamed(Coarsening *to, const MpmLists *foreign, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode NumberNodes(Coarsening *to, PetscInt places, const MpmConstraints *constraints)
+static PetscErrorCode NumberNodes(Coarsening *to, const MpmConstraints *constraints)
 {
   MpmLists foreign = {0}, wanted = {0};
 
@@ -391,7 +323,7 @@ static PetscErrorCode NumberNodes(Coarsening *to, PetscInt places, const MpmCons
   if (to->rules->grid->size > 1) PetscCall(MpmListsExchange(to->rules->comm, &foreign, &wanted));
   else PetscCall(PetscCalloc1(1, &wanted.offset));
   PetscCall(CollectOwn(to, &wanted));
-  HoldCoarse(to, places, constraints);
+  HoldCoarse(to, constraints);
   PetscCall(NumberOwn(to));
   PetscCall(NumberNamed(to, &foreign, &wanted));
   PetscCall(MpmListsDestroy(&foreign));
@@ -399,117 +331,26 @@ static PetscErrorCode NumberNodes(Coarsening *to, PetscInt places, const MpmCons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- interpolation ---- */
+/* ---- the whole ---- */
 
-/* Rows of the interpolation that this rank owns. */
-typedef struct {
-  PetscInt    *begin, *column;
-  PetscScalar *value;
-} Rows;
-
-/* The rows of fine node i, component by component: a node with a frame has its components along the axes of that. */
-static void FillRows(const Coarsening *to, PetscInt i, const MpmFrame *frame, PetscInt dim, Rows *rows)
-{
-  const Parents  of = ParentsOf(to, i);
-  const PetscInt bs = to->rules->block;
-  PetscInt       at[NUMBERS];
-
-  for (PetscInt c = 0; c < bs; c++) {
-    const PetscBool turned = (PetscBool)(frame && c < dim), free = (PetscBool)(to->fine->free[i] >> c & 1);
-    PetscInt        fill = rows->begin[i * bs + c];
-
-    for (PetscInt k = 0; k < of.total; k++) {
-      const PetscReal share = free ? ParentAt(&of, k, at) : (ParentAt(&of, k, at), 0.);
-      const PetscInt  node  = *MapAt(&to->named, at) - 1;
-
-      for (PetscInt d = turned ? 0 : c; d < (turned ? dim : c + 1); d++) {
-        rows->column[fill]  = node * bs + d;
-        rows->value[fill++] = turned ? frame->axis[c][d] * share : share;
-      }
-    }
-    rows->begin[i * bs + c + 1] = fill;
-  }
-}
-
-/* Unknowns of nodes without a place stay on all levels. */
-static void FillExtraRows(const Coarsening *to, PetscInt places, Rows *rows)
-{
-  const PetscInt bs = to->rules->block, first = to->coarse->begin + to->coarse->owned - (to->fine->owned - places);
-
-  for (PetscInt k = 0; k < (to->fine->owned - places) * bs; k++) {
-    const PetscInt row = places * bs + k;
-
-    rows->column[rows->begin[row]] = first * bs + k;
-    rows->value[rows->begin[row]]  = 1.;
-    rows->begin[row + 1]           = rows->begin[row] + 1;
-  }
-}
-
-/* Clears the columns of unknowns that are not solved for on the coarse level. */
-static PetscErrorCode ClearHeld(const Coarsening *to, Mat interpolation)
-{
-  const PetscInt bs = to->rules->block;
-  PetscScalar   *value;
-  Vec            keep;
-
-  PetscFunctionBeginUser;
-  PetscCall(MatCreateVecs(interpolation, &keep, NULL));
-  PetscCall(VecGetArrayWrite(keep, &value));
-  for (PetscInt k = 0; k < to->coarse->owned * bs; k++) value[k] = to->coarse->free[k / bs] >> k % bs & 1 ? 1. : 0.;
-  PetscCall(VecRestoreArrayWrite(keep, &value));
-  PetscCall(MatDiagonalScale(interpolation, NULL, keep));
-  PetscCall(VecDestroy(&keep));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode MakeInterpolation(const Coarsening *to, PetscInt places, const MpmConstraints *constraints,
-                                        Mat *interpolation)
-{
-  const PetscInt bs = to->rules->block, owned = to->fine->owned * bs, dim = constraints ? constraints->dim : bs;
-  size_t         entries = (size_t)((to->fine->owned - places) * bs);
-  Rows           rows;
-
-  PetscFunctionBeginUser;
-  for (PetscInt i = 0; i < places; i++) {
-    const Parents of = ParentsOf(to, i);
-
-    entries += (size_t)(of.total * (constraints && MpmConstraintsFrame(constraints, i) ? dim * dim + bs - dim : bs));
-  }
-  PetscCall(PetscMalloc3((owned + 1), &rows.begin, entries, &rows.column, entries, &rows.value));
-  rows.begin[0] = 0;
-  for (PetscInt i = 0; i < places; i++)
-    FillRows(to, i, constraints ? MpmConstraintsFrame(constraints, i) : NULL, dim, &rows);
-  FillExtraRows(to, places, &rows);
-  PetscCall(MatCreate(to->rules->comm, interpolation));
-  PetscCall(MatSetSizes(*interpolation, owned, to->coarse->owned * bs, to->fine->count * bs, to->coarse->count * bs));
-  PetscCall(MatSetBlockSizes(*interpolation, bs, bs));
-  PetscCall(MatSetType(*interpolation, MATAIJ));
-  PetscCall(MatSeqAIJSetPreallocationCSR(*interpolation, rows.begin, rows.column, rows.value));
-  PetscCall(MatMPIAIJSetPreallocationCSR(*interpolation, rows.begin, rows.column, rows.value));
-  PetscCall(PetscFree3(rows.begin, rows.column, rows.value));
-  PetscCall(ClearHeld(to, *interpolation));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmLevelCoarsen(const MpmLevelRules *rules, const MpmLevel *fine, const MpmConstraints *constraints,
+PetscErrorCode MpmLevelCoarsen(const MpmLevelRules *rules, const MpmLevel *fine, const MpmFinest *finest,
                                MpmLevel *coarse, Mat *interpolation)
 {
-  const PetscBool last   = (PetscBool)(rules->grid->rank == rules->grid->size - 1);
-  const PetscInt  places = fine->owned - (last ? rules->extra : 0);
-  Coarsening      to     = {.rules = rules, .fine = fine, .coarse = coarse};
+  const MpmConstraints *constraints = finest ? finest->constraints : NULL;
+  Coarsening            to          = {.rules = rules, .fine = fine, .coarse = coarse};
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(coarse, sizeof(*coarse)));
-  coarse->parts = fine->parts;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     to.step[a]       = fine->last[a] > 1 ? rules->coarsen : 1;
     coarse->ratio[a] = fine->ratio[a] * to.step[a];
     coarse->last[a]  = (fine->last[a] + to.step[a] - 1) / to.step[a];
   }
-  PetscCall(MakeAxes(&to, places));
-  PetscCall(NameNodes(&to, places, constraints));
-  PetscCall(NumberNodes(&to, places, constraints));
-  PetscCall(MakeInterpolation(&to, places, constraints, interpolation));
+  PetscCall(MakeAxes(&to));
+  PetscCall(NameNodes(&to, constraints));
+  PetscCall(NumberNodes(&to, constraints));
+  PetscCall(MpmMakeInterpolation(&to, constraints, interpolation));
+  if (finest && finest->rows) PetscCall(MpmMakeLocalRows(&to, finest));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
     PetscCall(PetscFree3(to.axis[a].first, to.axis[a].count, to.axis[a].weight));
   PetscCall(PetscFree(to.named.value));

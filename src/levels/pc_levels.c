@@ -12,7 +12,9 @@
 #include "point/layout.h"
 #include "space/space.h"
 #include "bc/bc.h"
+#include "assembly/sparsity.h"
 #include "levels/level.h"
+#include "levels/project.h"
 
 /* Unknowns of a level that a direct solver takes. */
 #define COARSEST 3000
@@ -35,6 +37,9 @@ typedef struct {
   PetscInt         count; /* of coarser levels */
   Mat              P[MPM_LEVELS_MOST], A[MPM_LEVELS_MOST];
   Vec              held[MPM_LEVELS_MOST]; /* diagonal of unknowns that are not solved for */
+  PetscBool        shell;                 /* the finest level has no matrix */
+  MpmLocalRows     rows;                  /* then: its nodes by those of the next one */
+  MpmProjection   *projection;
 } Levels;
 
 static PetscErrorCode Reset(Levels *levels)
@@ -46,6 +51,8 @@ static PetscErrorCode Reset(Levels *levels)
     PetscCall(VecDestroy(&levels->held[k]));
   }
   levels->count = 0;
+  PetscCall(MpmProjectionDestroy(&levels->projection));
+  PetscCall(MpmLocalRowsDestroy(&levels->rows));
   PetscCall(PCDestroy(&levels->mg));
   PetscCall(MpmLevelDestroy(&levels->finest));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -67,16 +74,17 @@ static PetscErrorCode MakeHeld(const MpmLevel *level, PetscInt bs, PetscReal dia
 /* Interpolation of all levels; the finest one's nodes stay for comparison. */
 static PetscErrorCode MakeLevels(Levels *levels, MPI_Comm comm)
 {
-  const MpmLevelsStep *step  = &levels->step;
-  const PetscInt       bs    = step->constraints->block;
-  const PetscInt       most  = levels->choice.levels ? levels->choice.levels - 1 : MPM_LEVELS_MOST - 1;
-  const MpmLevelRules  rules = {.comm    = comm,
-                                .grid    = step->grid,
-                                .block   = bs,
-                                .extra   = step->space->extra.count,
-                                .degree  = MpmShapeDegree(levels->choice.shape),
-                                .edge    = levels->choice.edge,
-                                .coarsen = levels->choice.coarsen};
+  const MpmLevelsStep *step   = &levels->step;
+  const PetscInt       bs     = step->constraints->block;
+  const PetscInt       most   = levels->choice.levels ? levels->choice.levels - 1 : MPM_LEVELS_MOST - 1;
+  const MpmLevelRules  rules  = {.comm    = comm,
+                                 .grid    = step->grid,
+                                 .block   = bs,
+                                 .extra   = step->space->extra.count,
+                                 .degree  = MpmShapeDegree(levels->choice.shape),
+                                 .edge    = levels->choice.edge,
+                                 .coarsen = levels->choice.coarsen};
+  const MpmFinest      finest = {step->space, step->constraints, levels->shell ? &levels->rows : NULL};
   MpmLevel             level;
 
   PetscFunctionBeginUser;
@@ -87,8 +95,11 @@ static PetscErrorCode MakeLevels(Levels *levels, MPI_Comm comm)
     MpmLevel       coarse;
 
     if (widest < 2 || (k && !levels->choice.levels && level.count * bs <= COARSEST)) break;
-    PetscCall(MpmLevelCoarsen(&rules, &level, k ? NULL : step->constraints, &coarse, &levels->P[k]));
+    PetscCall(MpmLevelCoarsen(&rules, &level, k ? NULL : &finest, &coarse, &levels->P[k]));
     PetscCall(MakeHeld(&coarse, bs, step->constraints->diagonal, levels->P[k], &levels->held[k]));
+    if (levels->shell && !k)
+      PetscCall(MpmProjectionCreate(&levels->rows, step->space, comm, (const PetscInt[]){coarse.owned, coarse.count},
+                                    &levels->projection, &levels->A[0]));
     levels->count++;
     if (k) PetscCall(MpmLevelDestroy(&level));
     level = coarse;
@@ -150,6 +161,25 @@ static PetscErrorCode Shift(Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The first coarse operator from element blocks. */
+static PetscErrorCode ProjectFinest(Levels *levels)
+{
+  const MpmElementAction action = {.take = MpmProjectionTake, .ctx = levels->projection};
+  Vec                    keep;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatZeroEntries(levels->A[0]));
+  PetscCall(levels->step.tangent(levels->step.ctx, &action));
+  PetscCall(MpmProjectionEnd(levels->projection));
+  PetscCall(VecDuplicate(levels->held[0], &keep));
+  PetscCall(VecCopy(levels->held[0], keep));
+  PetscCall(VecScale(keep, -1. / levels->step.constraints->diagonal));
+  PetscCall(VecShift(keep, 1.));
+  PetscCall(MatDiagonalScale(levels->A[0], keep, keep));
+  PetscCall(VecDestroy(&keep));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Coarse operators P^T A P, and identity where nothing is solved for. */
 static PetscErrorCode MakeOperators(Levels *levels, Mat A)
 {
@@ -161,8 +191,10 @@ static PetscErrorCode MakeOperators(Levels *levels, Mat A)
     Mat fine = k ? levels->A[k - 1] : A;
     KSP smoother;
 
-    PetscCall(
-      MatPtAP(fine, levels->P[k], levels->A[k] ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, PETSC_DEFAULT, &levels->A[k]));
+    if (levels->shell && !k) PetscCall(ProjectFinest(levels));
+    else
+      PetscCall(MatPtAP(fine, levels->P[k], levels->A[k] ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, PETSC_DEFAULT,
+                        &levels->A[k]));
     PetscCall(MatDiagonalSet(levels->A[k], levels->held[k], ADD_VALUES));
     if (k == levels->count - 1) PetscCall(Shift(levels->A[k]));
     if (known) PetscCall(MatSetOption(levels->A[k], MAT_SYMMETRIC, symmetric));
@@ -188,6 +220,7 @@ static PetscErrorCode SetUp(PC pc)
   PetscCall(Serve(levels, A, &serve));
   if (!serve) {
     PetscCall(Reset(levels));
+    PetscCall(PetscObjectTypeCompare((PetscObject)A, MATSHELL, &levels->shell));
     PetscCall(MakeLevels(levels, PetscObjectComm((PetscObject)pc)));
     PetscCall(CreateCycle(pc, levels));
     PetscCall(PetscObjectGetId((PetscObject)A, &levels->matrix));

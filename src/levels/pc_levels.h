@@ -17,12 +17,15 @@ typedef struct {
   MpmEdgeType  edge;
 } MpmLevelsChoice;
 
-/* The step's nodes, and what holds them. */
+struct MpmElementAction;
+
+/* The step's nodes, conditions on them, and a sum of element blocks of the Jacobian, for steps without a matrix. */
 typedef struct {
   const MpmGrid        *grid;
   const MpmSpace       *space;
   const MpmConstraints *constraints;
-  const MpmLayout      *layout;
+  PetscErrorCode (*tangent)(void *ctx, const struct MpmElementAction *action);
+  void *ctx;
 } MpmLevelsStep;
 
 /* Makes the type known to PETSc; true for a preconditioner of that type. */

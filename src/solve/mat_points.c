@@ -243,3 +243,13 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x)
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscErrorCode MpmMatfreeGetState(Mat J, const PetscReal **u)
+{
+  Matfree *free;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatShellGetContext(J, &free));
+  *u = free->action.u;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -3,6 +3,8 @@
 */
 #include "options/database.h"
 #include "options/options.h"
+#include "assembly/sparsity.h"
+#include "assembly/terms.h"
 #include "problem/discretization.h"
 #include "solve/solve.h"
 
@@ -85,6 +87,20 @@ PetscErrorCode MpmMultigridApply(MpmSolver *solver)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Element blocks of all terms where the shell has its state. */
+static PetscErrorCode SumBlocks(void *ctx, const MpmElementAction *action)
+{
+  const MpmSolver *solver  = (const MpmSolver *)ctx;
+  MpmPattern       pattern = {.block = solver->disc->block, .dim = solver->disc->dim, .action = action};
+  const PetscReal *u;
+  PetscInt         failed;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmMatfreeGetState(solver->jacobian.shell, &u));
+  PetscCall(MpmTermsTangent(solver->disc->terms, solver->disc->sum, u, &pattern, NULL, &failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmMultigridAttach(MpmSolver *solver)
 {
   const MpmDiscretization *disc = solver->disc;
@@ -94,9 +110,11 @@ PetscErrorCode MpmMultigridAttach(MpmSolver *solver)
   PetscFunctionBeginUser;
   PetscCall(SNESGetKSP(solver->snes, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(MpmLevelsAttach(
-    pc, &solver->multigrid.levels,
-    &(MpmLevelsStep){
-      .grid = disc->grid, .space = disc->space, .constraints = disc->constraints, .layout = disc->layout}));
+  PetscCall(MpmLevelsAttach(pc, &solver->multigrid.levels,
+                            &(MpmLevelsStep){.grid        = disc->grid,
+                                             .space       = disc->space,
+                                             .constraints = disc->constraints,
+                                             .tangent     = SumBlocks,
+                                             .ctx         = solver}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -165,6 +165,8 @@ PetscErrorCode MpmJacobianColoring(const MpmTerms *terms, const MpmSum *sum, Mpm
 */
 PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J);
 PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
+/* Lends the local unknowns at which the derivative is taken. */
+PetscErrorCode MpmMatfreeGetState(Mat J, const PetscReal **u);
 /* Raises the diagonal of an assembled Jacobian where it may have modes without stiffness (jacobian_lift.c). */
 PetscErrorCode MpmJacobianLift(MpmSolver *solver, Mat J);
 /* Relative to the residual at zero displacement, with a floor; as SNES calls it, ctx: the solver (convergence.c). */

@@ -19,7 +19,7 @@ static PetscErrorCode CreateSNES(MpmSolver *solver)
 {
   KSP       ksp;
   PC        pc;
-  PetscBool band, levels;
+  PetscBool band;
 
   PetscFunctionBeginUser;
   PetscCall(SNESCreate(solver->disc->comm, &solver->snes));
@@ -35,9 +35,10 @@ static PetscErrorCode CreateSNES(MpmSolver *solver)
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &solver->jacobian.unused, PCNONE, PCJACOBI, PCPBJACOBI, PCSHELL,
                                       PCMAT, ""));
   PetscCall(MpmBandIs(pc, &band));
-  PetscCall(MpmLevelsIs(pc, &levels));
-  if (band) solver->preset.factorises = PETSC_TRUE;
-  if (band || levels) solver->jacobian.unused = PETSC_FALSE;
+  if (band) {
+    solver->preset.factorises = PETSC_TRUE;
+    solver->jacobian.unused   = PETSC_FALSE;
+  }
   solver->jacobian.unused = (PetscBool)(solver->jacobian.unused && solver->jacobian.form == MPM_JACOBIAN_MATFREE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
