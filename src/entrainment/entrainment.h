@@ -46,6 +46,10 @@ PetscErrorCode MpmEntrainmentLeave(MpmModel model, PetscInt count, const PetscIn
 /* This rank's points without mass, ascending, to be freed; `count` over all ranks. Collective. */
 PetscErrorCode MpmEntrainmentFindEmpty(MpmModel model, PetscInt *here, PetscInt **empty, PetscInt *count);
 
+/* The time in which waves on material that comes in now cross a cell, s, with gravity in m/s2; without any the largest
+   number. */
+PetscReal MpmEntrainmentCrossing(const MpmModel model, PetscReal gravity);
+
 /* Columns of the history. */
 PetscErrorCode MpmEntrainmentAddColumns(MpmModel model, MpmColumns *columns);
 /* True where the bed changes; then bytes of a checkpoint, on rank 0: the change at the nodes; and back. Collective. */

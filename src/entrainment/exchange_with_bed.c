@@ -95,7 +95,7 @@ static PetscErrorCode FindParts(const MpmEntrainment *of, const MpmSum *sum, Pet
     if (of->deposits) loss = Deposited(of, &node, shear, sum->step.dt);
     parts[PARTS * i + GAIN] = gain / node.mass;
     parts[PARTS * i + LOSS] = loss / node.mass;
-    if (i >= sum->space->owned || gain == loss) continue;
+    if (i >= sum->space->owned || gain + loss == 0.) continue;
     mass[GAIN] += gain;
     mass[LOSS] += loss;
     steps->place[steps->count]    = place;

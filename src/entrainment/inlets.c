@@ -54,3 +54,19 @@ PetscErrorCode MpmInletsHold(MpmEntrainment *of, const MpmSum *sum, const PetscR
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscReal MpmEntrainmentCrossing(const MpmModel model, PetscReal gravity)
+{
+  const PetscReal      *h     = model->disc.grid->h;
+  const MpmEntrainment *of    = model->entrainment;
+  PetscReal             least = PETSC_MAX_REAL;
+
+  for (PetscInt k = 0; of && k < of->inlets; k++) {
+    const PetscReal speed = MpmInletVelocity(of->inlet[k], model->state.time);
+    const PetscReal c     = PetscSqrtReal(gravity * MpmInletDepth(of->inlet[k], model->state.time));
+
+    for (PetscInt a = 0; speed > 0. && a < 2; a++)
+      least = PetscMin(least, h[a] / (c + speed * PetscAbsReal(of->inlet[k]->normal[a])));
+  }
+  return least;
+}

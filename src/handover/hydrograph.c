@@ -64,6 +64,11 @@ PetscReal MpmInletVelocity(const MpmInlet *inlet, PetscReal time)
   return inlet->depth > 0. ? discharge / (inlet->width * inlet->depth) : inlet->velocity;
 }
 
+PetscReal MpmInletDepth(const MpmInlet *inlet, PetscReal time)
+{
+  return inlet->depth > 0. ? inlet->depth : Discharge(inlet, time) / (inlet->width * inlet->velocity);
+}
+
 /* When the volume has come in, by bisection: it does not fall in time. */
 static PetscReal TimeOf(const MpmInlet *inlet, PetscReal volume)
 {

@@ -36,3 +36,5 @@ PetscErrorCode MpmHandoverHydrograph(const MpmOptions *block, const MpmGrid *gri
 PetscErrorCode MpmInletDestroy(MpmInlet **inlet);
 /* Velocity with which material comes in, m/s; 0 where there is no discharge. */
 PetscReal MpmInletVelocity(const MpmInlet *inlet, PetscReal time);
+/* Its vertical depth, m. */
+PetscReal MpmInletDepth(const MpmInlet *inlet, PetscReal time);

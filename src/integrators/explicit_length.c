@@ -14,6 +14,7 @@
 #include "space/sum.h"
 #include "rigid/rigid.h"
 #include "pairs/body_contact.h"
+#include "entrainment/entrainment.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "integrators/dynamics.h"
@@ -50,7 +51,7 @@ MPM_INLINE PetscReal Crossing(const PetscInt dim, const MpmModel model, const Mp
 }
 
 /* Columns at rest on a slope have slow waves where they are thin: the time in which their weight takes them through a
-   cell, s. */
+   cell, s; and that of columns that come in in this step. */
 static PetscReal Falling(const MpmModel model)
 {
   PetscReal h = PETSC_MAX_REAL, g = 0.;
@@ -59,7 +60,7 @@ static PetscReal Falling(const MpmModel model)
   for (PetscInt a = 0; a < model->disc.dim; a++) h = PetscMin(h, model->disc.grid->h[a]);
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     g = PetscMax(g, model->scene.materials->at[m].parameter[MPM_BASAL_GRAVITY]);
-  return PetscSqrtReal(h / g);
+  return PetscMin(PetscSqrtReal(h / g), MpmEntrainmentCrossing(model, g));
 }
 
 /* The points' arrays stay lent for the step that follows. */
