@@ -120,26 +120,57 @@ static PetscErrorCode Evaluate(MpmModel model, PetscInt k, PetscReal value, Star
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* D over a change into `start`, in the order of its points. */
-static PetscErrorCode FindDifference(MpmModel model, PetscInt k, PetscReal change, Start *start)
+/* Places of the parameter and their factors in a difference of second order: central or, where one side is out of the
+   option's range, on the other side. */
+typedef struct {
+  PetscInt  count;
+  PetscReal at[3], factor[3];
+} Stencil;
+
+static Stencil StencilOf(const MpmSceneParameter *parameter, PetscReal change)
+{
+  const PetscReal value = parameter->value, c = change * (value != 0. ? value : 1.);
+  const PetscBool above = MpmRangeHolds(parameter->range, value + c);
+  const PetscReal s     = above ? c : -c;
+
+  if (above == MpmRangeHolds(parameter->range, value - c))
+    return (Stencil){2, {value + c, value - c}, {0.5 / c, -0.5 / c}};
+  return (Stencil){3, {value + s, value + 2. * s, value}, {2. / s, -0.5 / s, -1.5 / s}};
+}
+
+/* Adds a factor times the start with parameter k at a value to `sum`, in the order of its points; sets an empty one. */
+static PetscErrorCode AddStart(MpmModel model, PetscInt k, PetscReal value, PetscReal factor, Start *sum)
 {
   const MpmGradient *gradient = model->gradient;
-  const PetscReal    value = gradient->parameters.at[k].value, scale = value != 0. ? value : 1.;
-  const PetscReal    above = value + change * scale, below = value - change * scale;
-  Start              low = {0}, here = {0};
+  const PetscBool    first    = (PetscBool)!sum->curves;
+  Start              other = {0}, here = {0};
+  PetscReal          before = 1.;
 
   PetscFunctionBeginUser;
-  PetscCall(Evaluate(model, k, above, start));
-  PetscCall(Evaluate(model, k, below, &low));
-  PetscCall(MpmPointVectorCopy(&start->at, PETSC_FALSE, &here.at));
-  PetscCall(MpmPointVectorMove(model->comm, &low.at, &here.at));
+  PetscCall(Evaluate(model, k, value, first ? sum : &other));
+  if (first) {
+    before = 0.;
+    other  = *sum;
+  }
+  PetscCall(MpmPointVectorCopy(&sum->at, PETSC_FALSE, &here.at));
+  PetscCall(MpmPointVectorMove(model->comm, &other.at, &here.at));
   for (PetscInt f = 0; f < MPM_VECTOR_FIELDS; f++)
     for (PetscInt i = 0; i < here.at.count * here.at.size[f]; i++)
-      start->at.at[f][i] = (start->at.at[f][i] - here.at.at[f][i]) / (above - below);
+      sum->at.at[f][i] = before * sum->at.at[f][i] + factor * here.at.at[f][i];
   for (PetscInt i = 0; i < gradient->start.rows * gradient->objectives.count; i++)
-    start->curves[i] = (start->curves[i] - low.curves[i]) / (above - below);
-  PetscCall(StartDestroy(&low));
+    sum->curves[i] = before * sum->curves[i] + factor * other.curves[i];
+  if (!first) PetscCall(StartDestroy(&other));
   PetscCall(StartDestroy(&here));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* D over a change into `start`. */
+static PetscErrorCode FindDifference(MpmModel model, PetscInt k, PetscReal change, Start *start)
+{
+  const Stencil stencil = StencilOf(&model->gradient->parameters.at[k], change);
+
+  PetscFunctionBeginUser;
+  for (PetscInt i = 0; i < stencil.count; i++) PetscCall(AddStart(model, k, stencil.at[i], stencil.factor[i], start));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -100,6 +100,7 @@ PetscErrorCode MpmParticlesCreate(MpmGrid *grid, const MpmParticleFields *fields
 PetscErrorCode MpmParticlesDestroy(MpmParticles *particles)
 {
   PetscFunctionBeginUser;
+  particles->lent = 0; /* a scene that is refused while it is set up has not given its fields back */
   if (particles->held) PetscCall(MpmParticlesRelease(particles));
   PetscCall(PetscFree(particles->held));
   PetscCall(DMDestroy(&particles->swarm));
