@@ -123,6 +123,40 @@ void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints
   }
 }
 
+#define NO_ROOM 1e-9 /* half-length below which a portion of a domain is a place, cells */
+
+void MpmFacetLineSlopes(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
+                        MpmFacetSlopes *slopes)
+{
+  const MpmGrid *grid = rules->grid;
+  const PetscInt p    = facet->point;
+  PetscReal      half[MPM_MAX_DIM];
+
+  (void)MpmSpaceHalfLengths(rules, points, p, half);
+  (void)PetscMemzero(slopes, sizeof(*slopes));
+  for (PetscInt a = 0; a < space->dim; a++) {
+    const PetscInt  last = space->groups[facet->group].count[a] - 1;
+    const PetscReal x    = (points->x[p * space->dim + a] - grid->lower[a]) / grid->h[a];
+    PetscReal       at, place = InDomain(rules, points, facet, a, half[a], &at);
+    const PetscReal sign = at < x ? -1. : 1., room = PetscMax(half[a] - PetscAbsReal(at - x), 0.);
+    PetscReal       bend[MPM_MAX_WIDTH], by_length[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
+    Axis            axis;
+
+    SetAxis(rules, points, p, &axis);
+    MpmShapeEvaluate(rules->shape, rules->edge, at, room, axis.lower[a], axis.upper[a], &axis.line);
+    MpmShapeDifferentiate(rules->shape, rules->edge, &(MpmShapePlace){at, room, axis.lower[a], axis.upper[a]},
+                          &axis.line, &(MpmShapeSlopes){bend, by_length, unused});
+    for (PetscInt i = 0; i < axis.line.count; i++) {
+      const PetscInt  k = PetscMin(PetscMax(First(space, points, facet, a, &axis) + i, 0), last);
+      const PetscReal g = axis.line.gradient[i], by_room = at != place || room < NO_ROOM ? 0. : by_length[i];
+
+      slopes->by_place[a][k] += at != place ? 0. : g - sign * by_room;
+      slopes->by_point[a][k] += at != place ? g : sign * by_room;
+      slopes->by_length[a][k] += at != place ? sign * g : by_room;
+    }
+  }
+}
+
 void MpmFacetBoxWeights(const MpmFacets *facets, const MpmRules *rules, const MpmSpace *space, const MpmPoints *points,
                         const MpmFacet *facet, const MpmGroup *box, PetscReal weight[])
 {

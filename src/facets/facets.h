@@ -140,6 +140,15 @@ MpmGroup MpmFacetBox(const MpmFacets *facets, const MpmSpace *space, const MpmFa
 /* By axis, at the nodes of its point's group (facet_weights.c); `line` has room for MPM_MAX_WIDTH of them on each. */
 void MpmFacetLines(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
                    PetscReal (*line)[16]);
+/*
+  Derivatives of these lines, for shapes with a domain and a facet that is no corner, slice or round: by the facet's
+  place and by that of its point, the other one fixed, and by the half-length of the point's domain, all in cells.
+*/
+typedef struct {
+  PetscReal by_place[MPM_MAX_DIM][16], by_point[MPM_MAX_DIM][16], by_length[MPM_MAX_DIM][16];
+} MpmFacetSlopes;
+void MpmFacetLineSlopes(const MpmRules *rules, const MpmSpace *space, const MpmPoints *points, const MpmFacet *facet,
+                        MpmFacetSlopes *slopes);
 /* Weights of a facet at the nodes of a box. */
 void MpmFacetBoxWeights(const MpmFacets *facets, const MpmRules *rules, const MpmSpace *space, const MpmPoints *points,
                         const MpmFacet *facet, const MpmGroup *box, PetscReal weight[]);

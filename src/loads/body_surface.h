@@ -5,6 +5,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "talus/point/tables.h"
 
 /*
   Faces of a body's points that bound the material, on one side of the lattice or on all; or those of any body that

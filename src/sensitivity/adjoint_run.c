@@ -53,12 +53,14 @@ static PetscErrorCode StagePull(MpmModel model, MpmReplayedStep *step, const Mpm
   PetscCall(MpmPointsPullSolution(map, end, lam, ubar));
   PetscCall(MpmGhostPullSolution(map, lam, ubar));
   PetscCall(MpmWaterWeightPullSolution(map, lam, ubar));
+  PetscCall(MpmSurfacesPullSolution(map, lam, ubar));
   PetscCall(MpmReplayedSolve(model, step, PETSC_TRUE, ubar, solved));
   for (PetscInt k = 0; k < count; k++) lam[k] += solved[k];
   PetscCall(MpmPointsPullStart(map, end, lam, start, values));
   PetscCall(MpmLoadsPullStart(map, lam, start, values));
   PetscCall(MpmGhostPullStart(map, lam, values));
   PetscCall(MpmWaterWeightPullStart(map, lam, start, values));
+  PetscCall(MpmSurfacesPullStart(map, lam, start, values));
   PetscCall(PetscFree2(ubar, solved));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

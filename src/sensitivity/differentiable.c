@@ -5,6 +5,7 @@
 #include "point/layout.h"
 #include "point/material.h"
 #include "grid/grid.h"
+#include "grid/shape.h"
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/points.h"
@@ -123,6 +124,17 @@ static PetscBool PenaltyIsOpen(const MpmModel model)
   return (PetscBool)(model->disc.layout->ghost != NULL);
 }
 
+/* True where surfaces have a part that surfaces.c does not differentiate. */
+static PetscBool SurfacesAreOpen(const MpmModel model)
+{
+  const MpmScene *scene = &model->scene;
+
+  for (PetscInt k = 0; k < scene->stages.count; k++)
+    if (scene->surfaces->count && scene->stages.at[k].removal) return PETSC_TRUE;
+  return (PetscBool)(scene->surfaces->count &&
+                     (!MpmShapeHasDomain(scene->shape.type) || scene->deformation.kinematics == MPM_AXISYMMETRY));
+}
+
 /* The first part without, or NULL. */
 static const char *FindPart(const MpmModel model)
 {
@@ -138,7 +150,8 @@ static const char *FindPart(const MpmModel model)
          {"boundaries", (PetscBool)(scene->boundaries->count > 0)},
          {"contacts", (PetscBool)(scene->pairs->count > 0)},
          {"motions", (PetscBool)(scene->motions->count > 0)},
-         {"surfaces", (PetscBool)(scene->surfaces->count > 0)},
+         {"surfaces with a shape without domains, in axial symmetry, or while bodies are taken away by a ramp",
+          SurfacesAreOpen(model)},
          {"terms from plugins", (PetscBool)(scene->terms->count > 0)},
          {"conditions along a normal, and absorbing ones", AnyInclined(scene->bcs)},
          {"a body force of the caller", (PetscBool)(scene->body_force.function != NULL)},

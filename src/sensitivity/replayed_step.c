@@ -79,7 +79,8 @@ PetscErrorCode MpmReplayedStepCreate(MpmModel model, MpmReplayedStep *step)
                            .constants  = MpmGradientConstants(model),
                            .load_count = loads,
                            .loads      = model->scene.loads->at,
-                           .factors    = step->factors};
+                           .factors    = step->factors,
+                           .surfaces   = disc->context.surfaces};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -145,6 +146,12 @@ PetscErrorCode MpmReplayedSolve(MpmModel model, const MpmReplayedStep *step, Pet
   Where displacements begin anew the position from which they count becomes that of the points.
 */
 
+/* True where step n is the first one of the run; a geostatic stage, which comes first, has none. */
+static PetscBool IsFirst(const MpmTape *tape, PetscInt n)
+{
+  return (PetscBool)(!n && !tape->step[n].stage);
+}
+
 /* True where displacements begin anew at the start of step n. */
 static PetscBool Resets(const MpmModel model, PetscInt n, const MpmPointVector *vector)
 {
@@ -166,7 +173,7 @@ static void Joining(const MpmModel model, PetscInt n, const MpmStepMap *map, Pet
   const MpmPoints         *points = map->sum->points;
   const PetscBool         *adds   = model->scene.stages.at[tape->step[n].stage].adds;
 
-  if (!vector->size[MPM_VECTOR_MASS] || !n || !MpmTapeBeginsStage(tape, n)) return;
+  if (!vector->size[MPM_VECTOR_MASS] || IsFirst(tape, n) || !MpmTapeBeginsStage(tape, n)) return;
   if (!of || of->kind != MPM_OF_LAW || !of->density) return;
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     PetscInt first, end;
@@ -190,7 +197,7 @@ static PetscBool BeginsAtRest(const MpmModel model, PetscInt n, const MpmStepMap
   const PetscInt   id   = map->sum->points->id[p];
   const PetscBool *adds = model->scene.stages.at[tape->step[n].stage].adds;
 
-  if (!n) return (PetscBool)!model->gradient->start.at;
+  if (IsFirst(tape, n)) return (PetscBool)!model->gradient->start.at;
   for (PetscInt b = 0; MpmTapeBeginsStage(tape, n) && b < model->scene.bodies->count; b++) {
     PetscInt first, end;
 

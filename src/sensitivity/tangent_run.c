@@ -83,6 +83,7 @@ static PetscErrorCode StageAlong(MpmModel model, const MpmReplayedStep *step, Pe
 
   PetscFunctionBeginUser;
   PetscCall(MpmPointsAlong(map, directions));
+  PetscCall(MpmSurfacesAlong(map, directions));
   for (PetscInt k = 0; k < directions->count; k++) {
     PetscCall(PartsAlong(map, &of[k], residual[k]));
     for (PetscInt i = 0; i < count; i++) residual[k][i] = -residual[k][i];
@@ -93,6 +94,7 @@ static PetscErrorCode StageAlong(MpmModel model, const MpmReplayedStep *step, Pe
   directions->end      = end;
   directions->residual = balance ? residual : NULL;
   PetscCall(MpmPointsAlong(map, directions));
+  PetscCall(MpmSurfacesAlong(map, directions));
   for (PetscInt k = 0; balance && k < directions->count; k++) { PetscCall(PartsAlong(map, &of[k], residual[k])); }
   for (PetscInt k = 0; k < directions->count; k++) of[k].du = NULL;
   directions->end      = NULL;

@@ -11,8 +11,7 @@ typedef struct {
   PetscReal inverse[MPM_MAX_DIM * MPM_MAX_DIM], gradient[MPM_MAX_DIM];
 } End;
 
-/* The kernel's input of a component by a basis function, or -1. */
-static PetscInt InputOf(const MpmLayout *layout, PetscInt component, PetscInt basis)
+PetscInt MpmInputOf(const MpmLayout *layout, PetscInt component, PetscInt basis)
 {
   const MpmComponentInputs *of = &layout->input.by_component;
 
@@ -28,12 +27,13 @@ static End FindEnd(const MpmLayout *layout, const PetscReal input[])
   End            end;
 
   for (PetscInt k = 0; k < dim * dim; k++)
-    dF[k] = (k / dim == k % dim ? 1. : 0.) + input[InputOf(layout, k / dim, 1 + k % dim)];
+    dF[k] = (k / dim == k % dim ? 1. : 0.) + input[MpmInputOf(layout, k / dim, 1 + k % dim)];
   det = MpmCofactors(dim * dim, dF, end.inverse);
   for (PetscInt k = 0; k < dim * dim; k++) end.inverse[k] /= det;
   for (PetscInt i = 0; i < dim; i++) {
     end.gradient[i] = 0.;
-    for (PetscInt j = 0; j < dim; j++) end.gradient[i] += end.inverse[i * dim + j] * input[InputOf(layout, c, 1 + j)];
+    for (PetscInt j = 0; j < dim; j++)
+      end.gradient[i] += end.inverse[i * dim + j] * input[MpmInputOf(layout, c, 1 + j)];
   }
   return end;
 }
@@ -50,14 +50,14 @@ void MpmRatesEndAlong(const MpmStepMap *map, PetscInt p, const PetscReal input[]
   if (!layout->rate.count) return;
   at                                         = FindEnd(layout, input);
   gradient                                   = MpmPointNumbers(end, MPM_VECTOR_GRADIENT, p);
-  *MpmPointNumbers(end, MPM_VECTOR_VALUE, p) = dinput[InputOf(layout, c, 0) * MPM_PACK];
+  *MpmPointNumbers(end, MPM_VECTOR_VALUE, p) = dinput[MpmInputOf(layout, c, 0) * MPM_PACK];
   if (end->size[MPM_VECTOR_DEVIATION])
-    *MpmPointNumbers(end, MPM_VECTOR_DEVIATION, p) = dinput[InputOf(layout, c, MPM_DEVIATION(dim)) * MPM_PACK];
+    *MpmPointNumbers(end, MPM_VECTOR_DEVIATION, p) = dinput[MpmInputOf(layout, c, MPM_DEVIATION(dim)) * MPM_PACK];
   for (PetscInt i = 0; i < dim; i++) gradient[i] = 0.;
   for (PetscInt j = 0; j < dim; j++) {
-    PetscReal change = dinput[InputOf(layout, c, 1 + j) * MPM_PACK];
+    PetscReal change = dinput[MpmInputOf(layout, c, 1 + j) * MPM_PACK];
 
-    for (PetscInt m = 0; m < dim; m++) change -= dinput[InputOf(layout, m, 1 + j) * MPM_PACK] * at.gradient[m];
+    for (PetscInt m = 0; m < dim; m++) change -= dinput[MpmInputOf(layout, m, 1 + j) * MPM_PACK] * at.gradient[m];
     for (PetscInt i = 0; i < dim; i++) gradient[i] += at.inverse[i * dim + j] * change;
   }
 }
@@ -71,15 +71,15 @@ void MpmRatesPullInputs(const MpmStepMap *map, PetscInt p, const PetscReal input
 
   if (!layout->rate.count) return;
   at = FindEnd(layout, input);
-  by_input[InputOf(layout, c, 0)] += *MpmPointNumbers(end, MPM_VECTOR_VALUE, p);
+  by_input[MpmInputOf(layout, c, 0)] += *MpmPointNumbers(end, MPM_VECTOR_VALUE, p);
   if (end->size[MPM_VECTOR_DEVIATION])
-    by_input[InputOf(layout, c, MPM_DEVIATION(dim))] += *MpmPointNumbers(end, MPM_VECTOR_DEVIATION, p);
+    by_input[MpmInputOf(layout, c, MPM_DEVIATION(dim))] += *MpmPointNumbers(end, MPM_VECTOR_DEVIATION, p);
   for (PetscInt j = 0; j < dim; j++) {
     PetscReal h = 0.;
 
     for (PetscInt i = 0; i < dim; i++) h += at.inverse[i * dim + j] * MpmPointNumbers(end, MPM_VECTOR_GRADIENT, p)[i];
-    by_input[InputOf(layout, c, 1 + j)] += h;
-    for (PetscInt m = 0; m < dim; m++) by_input[InputOf(layout, m, 1 + j)] -= h * at.gradient[m];
+    by_input[MpmInputOf(layout, c, 1 + j)] += h;
+    for (PetscInt m = 0; m < dim; m++) by_input[MpmInputOf(layout, m, 1 + j)] -= h * at.gradient[m];
   }
 }
 
@@ -89,5 +89,5 @@ PetscBool MpmRatesAreClosed(const MpmLayout *layout)
 
   if (!layout->rate.count) return PETSC_TRUE;
   return (PetscBool)(layout->rate.count == 1 && layout->deviation.count == 1 && layout->deviation.component[0] == c &&
-                     layout->shape_count == 1 && InputOf(layout, c, 0) >= 0 && InputOf(layout, c, 1) >= 0);
+                     layout->shape_count == 1 && MpmInputOf(layout, c, 0) >= 0 && MpmInputOf(layout, c, 1) >= 0);
 }

@@ -9,6 +9,9 @@
 */
 #include "stepmap/step_map.h"
 
+/* The kernel's input of a component by a basis function, or -1. */
+PetscInt MpmInputOf(const MpmLayout *layout, PetscInt component, PetscInt basis);
+
 /* With dinput the change of the inputs, in rows of MPM_PACK numbers. Nothing without a rate. */
 void MpmRatesEndAlong(const MpmStepMap *map, PetscInt p, const PetscReal input[], const PetscReal dinput[],
                       MpmPointVector *end);

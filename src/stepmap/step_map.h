@@ -11,6 +11,7 @@
 
   each a sum over the step's parts: the points, loads. Bars and lam are given, the parameters of a pull are counted.
 */
+#include "loads/body_surface.h"
 #include "loads/load.h"
 #include "query/point_vector.h"
 #include "query/scene_parameter.h"
@@ -43,9 +44,10 @@ typedef struct {
   MpmStepConstants          constants;
   PetscInt                  load_count;
   const MpmLoad            *loads;
-  const PetscReal          *factors; /* of the loads in the step */
-  MpmPointTable            *table;   /* of a pull; NULL: of none */
-  const MpmStageNumbers    *stage;   /* of a pull, added to; or NULL */
+  const PetscReal          *factors;  /* of the loads in the step */
+  const MpmSurfaceFaces    *surfaces; /* in the step */
+  MpmPointTable            *table;    /* of a pull; NULL: of none */
+  const MpmStageNumbers    *stage;    /* of a pull, added to; or NULL */
 } MpmStepMap;
 
 /* A direction: of the state, of one parameter (-1: none), of the solution (NULL: none). */

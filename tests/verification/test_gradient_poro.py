@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import Test  # noqa: E402
+from talus_test import Test, example  # noqa: E402
 
 SCENE = Path(__file__).resolve().parent / "gradient_poro.yaml"
 RATE = Path(__file__).resolve().parent / "gradient_rate.yaml"
@@ -19,6 +19,11 @@ NUMBERS = "clay.E,clay.nu,clay.permeability,water.viscosity,clay.porosity,water.
 FINITE = {"mpm_material_clay_type": "neo_hookean", "mpm_material_clay_permeability_law": "kozeny_carman"}
 WEIGHT = {"mpm_loads": "strip,weight", "mpm_load_weight_type": "gravity", "mpm_load_weight_value": "0,-9.81",
           "mpm_material_clay_density": 1800}
+TOP = {"mpm_bcs": "base,axis", "mpm_surfaces": "top", "mpm_surface_top_body": "clay", "mpm_surface_top_side": "+y",
+       "mpm_surface_top_drained": "true", "mpm_surface_top_traction": "1e3,-5e3", "mpm_load_strip_upper": "1,1"}
+REST = {"mpm_stages": "rest,load", "mpm_stage_rest_type": "geostatic", "mpm_stage_rest_geostatic_method": "k0",
+        "mpm_stage_rest_geostatic_k0": 0.5, "mpm_stage_rest_loads": "weight", "mpm_stage_load_time_end": 100,
+        "mpm_stage_load_time_step": 50, "mpm_stage_load_reset_displacement": "true"}
 HEAVY = "clay.E,clay.permeability,clay.porosity,water.viscosity,water.density,clay.density"
 LAWS = {
     "small": ({"mpm_stabilization_fbar": "false"}, NUMBERS),
@@ -29,7 +34,8 @@ LAWS = {
                        "mpm_stabilization_fbar": "spread"}, NUMBERS),
     "second.small": ({"mpm_stabilization_fbar": "false", "mpm_time_scheme": "second"}, NUMBERS),
     "second": ({**FINITE, "mpm_stabilization_fbar": "true", "mpm_time_scheme": "second"}, NUMBERS),
-    "weight": ({**FINITE, **WEIGHT, "mpm_stabilization_fbar": "true", "mpm_time_scheme": "second"}, HEAVY),
+    "weight": ({**FINITE, **WEIGHT, **TOP, "mpm_stabilization_fbar": "true", "mpm_time_scheme": "second"}, HEAVY),
+    "rest": ({**WEIGHT, **TOP, **REST}, HEAVY),
     "axial": ({**WEIGHT, "mpm_kinematics": "axisymmetric", "mpm_material_clay_type": "neo_hookean"}, HEAVY),
     "plastic": ({"mpm_material_clay_type": "mohr_coulomb", "mpm_material_clay_cohesion": 8e3, "mpm_material_clay_friction": 20,
                  "mpm_material_clay_dilation": 5, "mpm_stabilization_fbar": "true"},
@@ -68,6 +74,11 @@ with Test() as test:
     # the flow out of the nodes at which the pressure is held
     compare(test, "flow", "clay.E,clay.permeability,strip.factor", column="reaction_top_p", mpm_time_scheme="second",
             mpm_stabilization_fbar="spread")
+    # loads that follow the surface of a solid that turns
+    beam = {"mpm_grid_cells": "30,30", "mpm_body_beam_points_per_cell": "3,3", "mpm_time_step": 0.5, "mpm_surfaces": "upper",
+            "mpm_surface_upper_body": "beam", "mpm_surface_upper_side": "+y"}
+    for label, load in (("normal", {"mpm_surface_upper_normal": -2e3}), ("traction", {"mpm_surface_upper_traction": "500,-2e3"})):
+        compare(test, "surface." + label, "beam.E,beam.nu", column="track_tip_ux", scene=example("cantilever"), **beam, **load)
     # compression at a constant rate, with M in proportion to E, and T = c_v t/H^2 too:
     #   F/(M eps) = 1 + 1/(3 T) - (2/(pi^2 T)) sum exp(-n^2 pi^2 T)/n^2    Wissa et al. (1971), J. Soil Mech. Found. Div. 97
     for time, exact in RATIOS.items():
@@ -77,6 +88,11 @@ with Test() as test:
                                            mpm_bc_base_ramp=f"0:0,{end}:1")
         test.near(f"rate.{time}", gradient[0] * 1e6 / force, exact, relative=2e-3)
         test.near(f"rate.{time}.water", gradient[1] * 1e-12, -gradient[2] * 1e-3, relative=1e-9)
+    # a fill that joins in the first step after a geostatic stage
+    scene = test.folder() / "fill.yaml"
+    scene.write_text((SCENE.parent / "fill_on_clay.yaml").read_text(encoding="utf-8").replace(", level: 3", ""), encoding="utf-8")
+    compare(test, "fill", "c.E,f.density,c.density", column="track_t_uy", scene=scene, mpm_stage_wait_time_end=1e6,
+            mpm_stabilization_ghost=0)
     # conductivity in place of permeability: the viscosity is in it, the density of the water divides it
     scene = test.folder() / "conductivity.yaml"
     scene.write_text(SCENE.read_text(encoding="utf-8").replace("permeability: 1e-12", "conductivity: 1e-8"), encoding="utf-8")
