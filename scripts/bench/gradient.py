@@ -9,9 +9,9 @@ BENCH = ROOT / "scripts" / "bench"
 # Scene, options of the long and the quick run, a column, parameters.
 SCENES = {
     "cantilever": (CANTILEVER, {"mpm_grid_cells": "240,240"}, {"mpm_grid_cells": "30,30"}, "track_tip_ux",
-                   ["beam.E", "tip.factor", "beam.nu", "beam.density"]),
+                   ["beam.E", "tip.factor", "beam.nu"]),
     "slope": (BENCH / "gradient_slope.yaml", {}, {"mpm_grid_cells": "24,11"}, "track_crest_uy",
-              ["soil.E", "soil.cohesion", "soil.friction", "soil.dilation", "soil.nu", "soil.density", "weight.factor"]),
+              ["soil.E", "soil.nu", "soil.density", "weight.factor"]),
     "footing": (BENCH / "gradient_footing.yaml", {}, {"mpm_grid_cells": "6,6,8"}, "reaction_footing_z",
                 ["clay.E", "clay.yield_stress", "clay.nu", "clay.hardening"]),
 }
