@@ -1,9 +1,9 @@
 /*
   Depth-averaged flow at one point: a column of material, whose base deforms with the horizontal velocity.
 
-  The kernel is the solid's, with the deformation dF of the base and the stress of the law, that of the layer's own
-  deformation; a point's volume V_0 = A_0 h_0 is that of its column, of constant density. The pressure of the depth, the
-  bed's slope and its resistance are a term of the nodes, src/terrain/columns.h, which has the equations.
+  The kernel is the solid's, with the deformation dF of the base; a point's volume V_0 = A_0 h_0 is that of its column,
+  of constant density. Columns have no stress of their own: the law keeps their depth. The pressure of the depth, the
+  bed's slope and its resistance are a term of the nodes, src/terrain/bed_flow.h, which has the equations.
 */
 #include "talus/point/basal.h"
 #include "solid.h"
@@ -14,8 +14,13 @@ static int DepthAveragedKernel(const KernelPoint *point, const Scalar input[], S
   Sym          tau;
 
   if (SolidStress(point, &dF, &tau)) return 1;
-  SolidFlux(point, &tau, &dF, flux);
-  SolidKeep(point, &tau, &dF);
+  for (int k = 0; k < MPM_TENSOR; k++) flux[k] = ScalarConstant(0.);
+  if (point->end.F) {
+    const Tensor F = TensorMulArray(&dF, point->F_n);
+
+    TensorStore(point->end.F, &F);
+    SymStore(point->end.stress, &tau);
+  }
   return 0;
 }
 

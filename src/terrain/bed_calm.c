@@ -12,43 +12,73 @@
 #include "talus/point/basal.h"
 #include "point/material.h"
 #include "particles/points.h"
+#include "space/lanes.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "terrain/bed_flow.h"
 
 #define CALM 1. /* part of the difference that is gone in the time in which a wave crosses a cell */
 
-/* Means of a row of the affine velocities, two numbers a point. */
-static PetscErrorCode FindMean(const MpmSum *sum, PetscInt row, PetscReal nodal[], PetscReal mean[])
+/* sums_i += w_i V C of a group's points */
+MPM_INLINE PetscErrorCode ToNodes(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, Slim *restrict sums)
 {
-  const MpmPointValues values = {.components = 2, .stride = 4, .value = &sum->points->motion.affine[(PetscInt)2 * row]};
+  const MpmPoints *points = sum->points;
+  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
 
-  PetscFunctionBeginUser;
-  PetscCall(MpmProjectToNodes(sum, &values, nodal));
-  PetscCall(MpmSpaceToGhosts(sum->space, 2, nodal));
-  PetscCall(MpmDisplacementsAtPoints(sum, nodal, mean));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
+
+    MpmSpaceFetch(known, sum->space, ahead);
+    MpmFetch(points->motion.affine, ahead, SLIM);
+    MpmFetch(points->volume0, ahead, 1);
+    MpmSlimAdd(known, sum, p, *(const Slim *)&points->motion.affine[p * SLIM] * points->volume0[p], nodes, sums);
+  }
+  return PETSC_SUCCESS;
+}
+
+/* Draws the affine velocities of a group's points to the means at its nodes, by `rate` times sqrt(g h). */
+MPM_INLINE PetscErrorCode ToPoints(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, PetscReal rate,
+                                   const Slim mean[])
+{
+  const MpmPoints *points = sum->points;
+  const PetscInt  *nodes  = &sum->space->group_nodes[group->node_offset];
+
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt  p = sum->space->order[s], ahead = MpmSumAhead(sum, s);
+    const PetscReal g    = sum->materials[points->material[p]].parameter[MPM_BASAL_GRAVITY];
+    const PetscReal part = PetscMin(rate * PetscSqrtReal(g * points->state[p * sum->kept.state]), 1.);
+    Slim           *C    = (Slim *)&points->motion.affine[p * SLIM];
+
+    MpmSpaceFetch(known, sum->space, ahead);
+    MpmFetch(points->motion.affine, ahead, SLIM);
+    MpmFetch(points->state, ahead, sum->kept.state);
+    *C += (MpmSlimInterpolate(known, sum, p, NULL, nodes, mean, NULL) - *C) * part;
+  }
+  return PETSC_SUCCESS;
 }
 
 PetscErrorCode MpmBedCalm(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
 {
-  const MpmPoints *points = sum->points;
-  const PetscReal  by     = CALM * sum->step.dt / PetscMin(sum->cell[0], sum->cell[1]);
-  PetscReal       *nodal, *mean[2];
+  const MpmBedFlow *flow  = ctx;
+  const MpmSpace   *space = sum->space;
+  const PetscReal   rate  = CALM * sum->step.dt / PetscMin(sum->cell[0], sum->cell[1]);
+  Slim             *mean;
 
-  (void)ctx, (void)u, (void)particles;
+  (void)u, (void)particles;
   PetscFunctionBeginUser;
-  if (!points->motion.affine) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(
-    PetscCalloc3((2 * sum->space->local), &nodal, (2 * points->count), &mean[0], (2 * points->count), &mean[1]));
-  for (PetscInt row = 0; row < 2; row++) PetscCall(FindMean(sum, row, nodal, mean[row]));
-  for (PetscInt p = 0; p < points->count; p++) {
-    const PetscReal g = sum->materials[points->material[p]].parameter[MPM_BASAL_GRAVITY];
-    PetscReal      *C = &points->motion.affine[p * 4], part;
+  if (!sum->points->motion.affine) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(space->local, &mean));
+  for (PetscInt g = 0; g < space->group_count; g++)
+    MPM_DISPATCH(sum->layout, &space->groups[g], ToNodes, sum, &space->groups[g], mean);
+  PetscCall(MpmSpaceAddToOwners(space, SLIM, (PetscReal *)mean));
+  for (PetscInt i = 0; i < space->owned; i++) {
+    const PetscReal volume = flow->sums[i * MPM_BED_SUMS + MPM_BED_VOLUME];
 
-    part = PetscMin(by * PetscSqrtReal(g * points->state[p * sum->kept.state]), 1.);
-    for (PetscInt k = 0; k < 4; k++) C[k] += part * (mean[k / 2][2 * p + k % 2] - C[k]);
+    mean[i] *= volume > 0. ? 1. / volume : 0.;
   }
-  PetscCall(PetscFree3(nodal, mean[0], mean[1]));
+  PetscCall(MpmSpaceToGhosts(space, SLIM, (PetscReal *)mean));
+  for (PetscInt g = 0; g < space->group_count; g++)
+    MPM_DISPATCH(sum->layout, &space->groups[g], ToPoints, sum, &space->groups[g], rate, mean);
+  PetscCall(PetscFree(mean));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,14 +6,16 @@
 #include "grid/grid.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
-#include "space/basis.h"
-#include "space/point_loop.h"
+#include "space/lanes.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "terrain/bed_flow.h"
 
 #define MOST_KNOWN 16   /* nodes of a group with a loop of its own */
 #define FAILS      0.25 /* of the weights of a point's nodes: a front on a slope leaves that many without balance */
+
+/* Two numbers side by side; a pointer to numbers may be taken for one to pairs. */
+typedef PetscReal Pair __attribute__((vector_size(2 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
 
 /* g of a column's material, m/s2. */
 static PetscReal Gravity(const MpmSum *sum, PetscInt point)
@@ -93,35 +95,29 @@ MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, const PetscInt
   const MpmPoints *points   = sum->points;
   const PetscInt   material = points->material[p];
   const PetscReal  volume = points->volume0[p], depth = points->state[p * sum->kept.state];
-  const PetscReal  mass = MpmPointMass(points, sum->materials, p);
-  MpmOnBed        *at   = &flow->point[p];
-  PetscReal        numbers[MPM_BED_SUMS], covered;
+  const PetscReal  mass = MpmPointMass(points, sum->materials, p), covered = Covered(sum, p, volume / depth);
+  PetscReal        bed = 0., slope[2] = {0., 0.};
+  Slim             first, by, second;
+  Pair             shared = {mass, mass / depth};
 
-  *at     = (MpmOnBed){.area = volume / depth, .depth = depth};
-  covered = Covered(sum, p, at->area);
   for (PetscInt i = 0; i < known.n; i++) {
     const PetscReal Z = flow->height[nodes[i]];
 
-    at->bed += MpmBasisAt(basis, 0, i) * Z;
-    at->slope[0] += MpmBasisAt(basis, 1, i) * Z;
-    at->slope[1] += MpmBasisAt(basis, 2, i) * Z;
+    bed += MpmBasisAt(basis, 0, i) * Z;
+    slope[0] += MpmBasisAt(basis, 1, i) * Z;
+    slope[1] += MpmBasisAt(basis, 2, i) * Z;
   }
-  numbers[MPM_BED_VOLUME]    = volume;
-  numbers[MPM_BED_HALF]      = volume * 0.5 * PetscSqrtReal(covered);
-  numbers[MPM_BED_AREA]      = covered;
-  numbers[MPM_BED_MASS]      = mass;
-  numbers[MPM_BED_SLOPE]     = mass * at->slope[0];
-  numbers[MPM_BED_SLOPE + 1] = mass * at->slope[1];
+  flow->point[p] = (MpmOnBed){.area = volume / depth, .depth = depth, .bed = bed, .slope = {slope[0], slope[1]}};
+  first          = (Slim){volume, volume * depth, 0., volume * 0.5 * PetscSqrtReal(covered)};
+  by             = (Slim){0., volume, volume, 0.};
+  second         = (Slim){covered, mass, mass * slope[0], mass * slope[1]};
   for (PetscInt i = 0; i < known.n; i++) {
-    const PetscReal w = MpmBasisAt(basis, 0, i), bed = at->bed - flow->height[nodes[i]];
-    PetscReal      *sums  = &flow->sums[nodes[i] * MPM_BED_SUMS];
-    PetscReal      *share = &flow->shares[(nodes[i] * flow->materials + material) * MPM_BED_SHARES];
+    const PetscReal w    = MpmBasisAt(basis, 0, i);
+    Slim           *sums = (Slim *)&flow->sums[nodes[i] * MPM_BED_SUMS];
 
-    numbers[MPM_BED_HEIGHT]  = volume * bed;
-    numbers[MPM_BED_SURFACE] = volume * (depth + bed);
-    for (PetscInt k = 0; k < MPM_BED_SUMS; k++) sums[k] += w * numbers[k];
-    share[MPM_BED_SHARE] += w * mass;
-    share[MPM_BED_OVER_DEPTH] += w * mass / depth;
+    sums[0] += (first + by * (bed - flow->height[nodes[i]])) * w;
+    sums[1] += second * w;
+    *(Pair *)&flow->shares[(nodes[i] * flow->materials + material) * MPM_BED_SHARES] += shared * w;
   }
 }
 
@@ -132,18 +128,16 @@ MPM_INLINE void AddSlopes(const MpmKnown known, const PetscInt nodes[], PetscInt
   const MpmOnBed *at     = &flow->point[p];
   const PetscReal volume = at->area * at->depth, level = at->depth + at->bed;
   PetscReal       slope[2] = {0., 0.};
+  Pair            squares;
 
-  for (PetscInt i = 0; i < known.n; i++)
-    for (PetscInt a = 0; a < 2; a++)
-      slope[a] += MpmBasisAt(basis, 1 + a, i) * (flow->level[nodes[i] * MPM_LEVEL_COUNT + MPM_LEVEL] - level);
   for (PetscInt i = 0; i < known.n; i++) {
-    PetscReal *steep = &flow->steep[nodes[i] * MPM_STEEP_COUNT];
+    const PetscReal above = flow->level[nodes[i] * MPM_LEVEL_COUNT + MPM_LEVEL] - level;
 
-    for (PetscInt a = 0; a < 2; a++) {
-      steep[MPM_STEEP_SURFACE] += MpmBasisAt(basis, 0, i) * volume * slope[a] * slope[a];
-      steep[MPM_STEEP_BED] += MpmBasisAt(basis, 0, i) * volume * at->slope[a] * at->slope[a];
-    }
+    for (PetscInt a = 0; a < 2; a++) slope[a] += MpmBasisAt(basis, 1 + a, i) * above;
   }
+  squares = (Pair){PetscSqr(slope[0]) + PetscSqr(slope[1]), PetscSqr(at->slope[0]) + PetscSqr(at->slope[1])} * volume;
+  for (PetscInt i = 0; i < known.n; i++)
+    *(Pair *)&flow->steep[nodes[i] * MPM_STEEP_COUNT] += squares * MpmBasisAt(basis, 0, i);
 }
 
 /* Where the balance fails at a share of a point's nodes, it fails at all of them: the point's part of that. */
@@ -159,42 +153,45 @@ MPM_INLINE void AddFailures(const MpmKnown known, const PetscInt nodes[], PetscI
     flow->failed[nodes[i]] += MpmBasisAt(basis, 0, i) * volume * PetscMin(fails / FAILS, 1.);
 }
 
-/* A point's forces on its nodes. */
+/*
+  A point's forces on its nodes; `still`: some of them are in balance with water at rest. 1 - c is s^2 c on slopes s, so
+  that M is c (I - k c s s^T).
+*/
 MPM_INLINE void AddForce(const MpmKnown known, const MpmSum *sum, const PetscInt nodes[], PetscInt p,
-                         const MpmBasis *basis, MpmBedFlow *flow)
+                         const MpmBasis *basis, PetscBool still, MpmBedFlow *flow)
 {
-  const MpmOnBed *at     = &flow->point[p];
-  const PetscReal weight = MpmPointMass(sum->points, sum->materials, p) * Gravity(sum, p); /* rho g V */
-  const PetscReal c = MpmBedCosine2(flow->bed, at->slope), on_area = weight / at->depth;
-  const PetscReal steep    = at->slope[0] * at->slope[0] + at->slope[1] * at->slope[1];
+  const MpmOnBed *at       = &flow->point[p];
+  const PetscReal weight   = MpmPointMass(sum->points, sum->materials, p) * Gravity(sum, p); /* rho g V */
+  const PetscReal c        = MpmBedCosine2(flow->bed, at->slope);
   const PetscReal pressure = 0.5 * c * weight * at->depth * MpmBedEarthPressure(sum, p, at->depth, c);
+  const PetscReal lean     = flow->bed->normal ? c * pressure : 0.;
+  const Pair      slope    = {at->slope[0], at->slope[1]};
 
   for (PetscInt i = 0; i < known.n; i++) {
-    const PetscReal *level = &flow->level[nodes[i] * MPM_LEVEL_COUNT];
-    const PetscReal  w = MpmBasisAt(basis, 0, i), gradient[2] = {MpmBasisAt(basis, 1, i), MpmBasisAt(basis, 2, i)};
-    const PetscReal  d = level[MPM_LEVEL] - at->bed, D = level[MPM_LEVEL] - level[MPM_LEVEL_BED];
-    const PetscReal  along = gradient[0] * at->slope[0] + gradient[1] * at->slope[1];
-    const PetscReal  tilt  = steep > 0. ? level[MPM_LEVEL_TILT] * (1. - c) * along / steep : 0.;
-    const PetscReal  rest  = level[MPM_LEVEL_PART] * on_area;
-    const PetscReal  still = 0.5 * rest * (c * d * d - level[MPM_LEVEL_WET] * D * D),
-                    slope  = c * w * (rest * d - weight);
-    PetscReal *force       = &flow->force[nodes[i] * sum->block];
+    const PetscReal *level    = &flow->level[nodes[i] * MPM_LEVEL_COUNT];
+    const Pair       gradient = {MpmBasisAt(basis, 1, i), MpmBasisAt(basis, 2, i)};
+    PetscReal        push = pressure, pull = weight;
 
-    for (PetscInt a = 0; a < 2; a++)
-      force[a] += pressure * (gradient[a] - tilt * at->slope[a]) - still * gradient[a] + slope * at->slope[a];
+    if (still) {
+      const PetscReal d = level[MPM_LEVEL] - at->bed, D = level[MPM_LEVEL] - level[MPM_LEVEL_BED];
+      const PetscReal rest = level[MPM_LEVEL_PART] * weight / at->depth;
+
+      push -= 0.5 * rest * (c * d * d - level[MPM_LEVEL_WET] * D * D);
+      pull -= rest * d;
+    }
+    pull = c * MpmBasisAt(basis, 0, i) * pull +
+           lean * level[MPM_LEVEL_TILT] * (gradient[0] * slope[0] + gradient[1] * slope[1]);
+    *(Pair *)&flow->force[nodes[i] * 2] += gradient * push - slope * pull;
   }
 }
 
 typedef enum { POINTS, SLOPES, FAILURES, FORCES } Visit;
 
-/* True where the balance fails nowhere at a group's nodes, or at all of them: then a point's part changes nothing. */
-static PetscBool IsEven(const MpmGroup *group, const PetscInt nodes[], const MpmBedFlow *flow)
+/* True where the part of the balance is this number at all nodes of a group. */
+static PetscBool HasPart(const MpmGroup *group, const PetscInt nodes[], PetscReal part, const MpmBedFlow *flow)
 {
-  const PetscReal first = flow->level[nodes[0] * MPM_LEVEL_COUNT + MPM_LEVEL_PART];
-
-  if (first != 0. && first != 1.) return PETSC_FALSE;
-  for (PetscInt i = 1; i < group->node_count; i++)
-    if (flow->level[nodes[i] * MPM_LEVEL_COUNT + MPM_LEVEL_PART] != first) return PETSC_FALSE;
+  for (PetscInt i = 0; i < group->node_count; i++)
+    if (flow->level[nodes[i] * MPM_LEVEL_COUNT + MPM_LEVEL_PART] != part) return PETSC_FALSE;
   return PETSC_TRUE;
 }
 
@@ -203,10 +200,12 @@ MPM_INLINE PetscErrorCode VisitGroup(const MpmKnown known, Visit visit, const Mp
                                      const MpmBasis *room, MpmBedFlow *flow)
 {
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+  const PetscBool none  = (PetscBool)(visit >= FAILURES && HasPart(group, nodes, 0., flow));
   PetscReal       storage[MPM_BASES * MOST_KNOWN];
   MpmBasis        basis;
 
-  if (visit == FAILURES && IsEven(group, nodes, flow)) return PETSC_SUCCESS;
+  /* where the balance fails nowhere or everywhere a point's part changes nothing */
+  if (visit == FAILURES && (none || HasPart(group, nodes, 1., flow))) return PETSC_SUCCESS;
   if (known.solid) MpmBasisPlace(sum->space, known.n, storage, &basis);
   else basis = *room;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
@@ -217,7 +216,8 @@ MPM_INLINE PetscErrorCode VisitGroup(const MpmKnown known, Visit visit, const Mp
     if (visit == POINTS) AddPoint(known, sum, nodes, p, &basis, flow);
     else if (visit == SLOPES) AddSlopes(known, nodes, p, &basis, flow);
     else if (visit == FAILURES) AddFailures(known, nodes, p, &basis, flow);
-    else AddForce(known, sum, nodes, p, &basis, flow);
+    else if (none) AddForce(known, sum, nodes, p, &basis, PETSC_FALSE, flow);
+    else AddForce(known, sum, nodes, p, &basis, PETSC_TRUE, flow);
   }
   return PETSC_SUCCESS;
 }
