@@ -23,9 +23,9 @@ def check(results):
             Quantity.near("passed_over_beyond", history["gauge_road_volume"][-1] / volume[x > ROAD].sum(), 1.0, relative=0.05),
             Quantity.near("house_pressure_over_map", history["gauge_house_pressure"][-1] / np.nanmax(
                 peak.bands["pressure"][np.ix_((peak.y >= 110) & (peak.y <= 125), (peak.x >= 530) & (peak.x <= 545))]), 1.0, relative=0.15),
-            Quantity("way", reach["gully"]["way"], 600.0, 720.0),
-            Quantity("angle", reach["gully"]["angle"], 15.0, 18.5),
-            Quantity("rest", reach.get("rest", 0.0), 25.0, 60.0)]
+            Quantity("way", reach["gully"]["way"], 470.0, 580.0),
+            Quantity("angle", reach["gully"]["angle"], 18.0, 21.5),
+            Quantity("rest", reach.get("rest", 0.0), 30.0, 80.0)]
 
 
 def draw(results):

@@ -13,6 +13,7 @@
 #include "loads/body_surface.h"
 #include "loads/load.h"
 #include "problem/evaluation.h"
+#include "terrain/bed_flow.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "step/change_ramp.h"
@@ -40,7 +41,9 @@ MpmRules MpmStepRules(MpmModel model, PetscReal time)
                .edge           = model->scene.shape.edge,
                .layout         = model->disc.layout,
                .walls          = {model->state.acting.walls.count, model->state.acting.walls.at},
-               .stretch        = solves ? model->scene.deformation.stretch : MpmStretchFindQuick(model->disc.dim),
+               .stretch        = model->scene.deformation.bed ? MpmBedStretch
+                                 : solves                     ? model->scene.deformation.stretch
+                                                              : MpmStretchFindQuick(model->disc.dim),
                .touch          = model->scene.deformation.bed ? MPM_SHAPE_TOUCH_COLUMNS : MPM_SHAPE_TOUCH,
                .longest        = solves ? 0. : MPM_SPRAY_HALF_LENGTH,
                .parts          = model->disc.material.parts,

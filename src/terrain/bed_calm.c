@@ -57,14 +57,12 @@ MPM_INLINE PetscErrorCode ToPoints(const MpmKnown known, const MpmSum *sum, cons
   return PETSC_SUCCESS;
 }
 
-PetscErrorCode MpmBedCalm(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
+PetscErrorCode MpmBedCalm(const MpmBedFlow *flow, const MpmSum *sum)
 {
-  const MpmBedFlow *flow  = ctx;
-  const MpmSpace   *space = sum->space;
-  const PetscReal   rate  = CALM * sum->step.dt / PetscMin(sum->cell[0], sum->cell[1]);
-  Slim             *mean;
+  const MpmSpace *space = sum->space;
+  const PetscReal rate  = CALM * sum->step.dt / PetscMin(sum->cell[0], sum->cell[1]);
+  Slim           *mean;
 
-  (void)u, (void)particles;
   PetscFunctionBeginUser;
   if (!sum->points->motion.affine) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscCalloc1(space->local, &mean));

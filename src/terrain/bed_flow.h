@@ -104,6 +104,12 @@ PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[]
 PetscErrorCode MpmBedWork(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
                           MpmTermWork *work);
 /* Takes energy from oscillations of affine velocities at a step's end (bed_calm.c). */
-PetscErrorCode MpmBedCalm(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
+PetscErrorCode MpmBedCalm(const MpmBedFlow *flow, const MpmSum *sum);
+/* Turns the points' velocities with the bed on their way of the step (bed_turn.c). */
+void MpmBedTurn(const MpmSum *sum, const MpmBed *bed);
 /* Pressure of a point's depth along the bed over that of a fluid; 1 without internal friction (bed_earth.c). */
 PetscReal MpmBedEarthPressure(const MpmSum *sum, PetscInt p, PetscReal depth, PetscReal cosine2);
+/* Lengths of a column's domain along the axes over those at the start (bed_stretch.c); not 0: F is no deformation. */
+int MpmBedStretch(const double *F, double *V);
+/* Takes the shear from F of points where there is much of it; their domains and volumes stay. */
+PetscErrorCode MpmBedStraighten(const MpmSum *sum);

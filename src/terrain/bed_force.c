@@ -267,8 +267,17 @@ static PetscErrorCode Push(void *ctx, const MpmSum *sum, PetscReal force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const MpmTerm MpmTermBed = {.name          = "bed",
-                            .energy.work   = MpmBedWork,
-                            .motion.push   = Push,
-                            .motion.resist = MpmBedResist,
-                            .step.commit   = MpmBedCalm};
+static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
+{
+  const MpmBedFlow *flow = ctx;
+
+  (void)u, (void)particles;
+  PetscFunctionBeginUser;
+  PetscCall(MpmBedCalm(flow, sum));
+  if (flow->bed->curvature) MpmBedTurn(sum, flow->bed);
+  PetscCall(MpmBedStraighten(sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const MpmTerm MpmTermBed = {
+  .name = "bed", .energy.work = MpmBedWork, .motion.push = Push, .motion.resist = MpmBedResist, .step.commit = Commit};

@@ -11,9 +11,8 @@
   In a forest F has the sum of m_k a (u/q)^2, too: vertical stems resist horizontally with m a u^2 (forest.h), of which
   the bed takes the part normal to it.
 
-  With -mpm_curvature path a node has moved before by -k c s b u^2, s the slope of the bed and b = n . H n along the
-  motion n, of the second differences H of the bed at the nodes: the bed's force on what follows it, which leaves the
-  speed along the bed as it is. With pressure the pressure normal to the bed is rho h c (g + b u^2), at least 0.
+  With -mpm_curvature pressure the pressure normal to the bed is rho h c (g + b u^2), at least 0, with b = n . H n along
+  the motion n, of the second differences H of the bed at the nodes.
 */
 #include "talus/point/basal.h"
 #include "point/material.h"
@@ -152,20 +151,6 @@ static PetscReal Bend(const MpmSum *sum, const MpmBed *bed, PetscInt i, const Pe
          0.5 * part[0] * part[1] * (z[2][2] - z[0][2] - z[2][0] + z[0][0]);
 }
 
-/* Keeps a node's velocity on the bed as it bends; its curvature along the motion for the pressure. */
-static PetscReal Follow(const Node *node, PetscReal kick, const PetscReal slope[], PetscReal v[])
-{
-  const PetscReal bend = Bend(node->sum, node->flow->bed, node->node, v), speed2 = v[0] * v[0] + v[1] * v[1];
-
-  const PetscReal by     = kick * node->cosine2 * bend,
-                  change = PetscAbsReal(by) * PetscSqrtReal(PetscSqr(slope[0]) + PetscSqr(slope[1]));
-  const PetscReal part =
-    change > PetscSqrtReal(speed2) ? PetscSqrtReal(speed2) / change : 1.; /* nodes of hardly any mass */
-
-  for (PetscInt a = 0; a < 2; a++) v[a] -= part * by * slope[a];
-  return node->flow->bed->curvature == MPM_BED_PRESSURE ? bend / speed2 : 0.;
-}
-
 /* Place of a node on the grid's lattice, x fastest. */
 static PetscInt Place(const MpmSum *sum, PetscInt i)
 {
@@ -192,9 +177,8 @@ PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[]
     if (flow->bed->normal) {
       for (PetscInt a = 0; a < 2; a++) slope[a] = sums[MPM_BED_SLOPE + a] / sums[MPM_BED_MASS];
       node.cosine2 = MpmBedCosine2(flow->bed, slope);
-      if (flow->bed->curvature) node.bend = Follow(&node, kick, slope, v);
-      speed      = PetscSqrtReal(v[0] * v[0] + v[1] * v[1]);
-      along      = speed > 0. ? (v[0] * slope[0] + v[1] * slope[1]) / speed : 0.;
+      if (flow->bed->curvature == MPM_BED_PRESSURE) node.bend = Bend(sum, flow->bed, i, v) / (speed * speed);
+      along      = (v[0] * slope[0] + v[1] * slope[1]) / speed;
       node.along = PetscSqrtReal(1. + along * along);
       node.part  = 1. / (PetscSqrtReal(node.cosine2) * node.along);
     }

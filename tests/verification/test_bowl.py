@@ -176,6 +176,19 @@ def path(test, curvature, mu, ranks=1):
     test.near(f"{name}.place", float(state["position"][:, 0].mean()), x, absolute=0.05)
 
 
+def kink(test, slope, mu):
+    """A thin layer slides down a plane onto level ground: it stops where friction has used up its drop, drop/mu away."""
+    folder, cell, start = test.folder(), 0.25, -12.0
+    write_row(folder / "bed.asc", [max(0.0, slope * (5 - cell * (i - 1))) for i in range(123)], -15 - cell, cell, 4)
+    file = folder / "kink.yaml"
+    file.write_text(ROW.format(slope="normal", bed="curvature: path\n  terrain: {file: bed.asc}", lower=-15.0, upper=15.0,
+                               cell=cell, cells=120, friction=math.degrees(math.atan(mu)), west=start - cell,
+                               east=start + cell, depth="depth: 1e-4", end=10.0))
+    state = test.run(file, mpm_time_step=0.02).results.state("last")
+    test.near(f"kink.{slope}.reach", float(state["position"][:, 0].mean()), start + slope * 2 / mu, absolute=cell)
+    test.check(f"kink.{slope}.speed", float(abs(state["velocity"]).max()), 0, 0)
+
+
 def steep(test):
     """Acceleration on a plane of 68 degrees."""
     path, theta = test.folder() / "steep.yaml", math.radians(68)
@@ -202,4 +215,5 @@ with Test() as test:
     path(test, "path", 0.0)
     path(test, "path", 0.2, ranks=3)
     path(test, "pressure", 0.2)
+    kink(test, 1.0, 0.2)
     lake(test)
