@@ -2,7 +2,8 @@
 
 Scene scripts/bench/terrain.yaml: bed from a map, friction, 3 x 3 points a cell. Set-up and output are taken off by runs
 of two lengths; a block of a solid in explicit steps, of as many points, takes turns with them. Error: the mean error of
-the depth of a dam break (examples/ritter) by the cells in sqrt(g h) t, with the seconds of the run.
+the depth of a dam break (examples/ritter) by the cells in sqrt(g h) t, with the seconds of the run. `--alr FOLDER`: an
+avalanche against com1DFA's result, in place of these (terrain_alr.py).
 """
 import statistics
 import tempfile
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bench import terrain_alr
 from bench.runs import ROOT, Table, in_turn, median, run_scene
 from maps import read_map, write_ascii
 
@@ -20,6 +22,7 @@ GRAVITY = 9.81
 
 def add_arguments(parser):
     parser.set_defaults(ranks=1)
+    parser.add_argument("--alr", type=Path, metavar="FOLDER", help="com1DFA's test case avaAlr, with its stored result")
 
 
 def write_bed(folder):
@@ -74,5 +77,8 @@ def errors(arguments, folder):
 
 def run(arguments):
     with tempfile.TemporaryDirectory() as name:
+        if arguments.alr:
+            terrain_alr.run(arguments, Path(name))
+            return
         steps(arguments, Path(name))
         errors(arguments, Path(name))
