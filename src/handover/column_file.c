@@ -50,11 +50,22 @@ static void Fill(PetscReal *const value[], PetscInt p, MpmFlowColumn *column)
   if (column->depth > 0. && column->volume > 0.) Base(value, p, column);
 }
 
+/* True where the scene has read its bed: of a map, about its grid. A column elsewhere keeps the file's. */
+static PetscBool Knows(const MpmBed *bed, const PetscReal x[2])
+{
+  const MpmMap   *map    = &bed->map;
+  const PetscReal far[2] = {map->x0 + (PetscReal)(map->columns - 1) * map->cell[0],
+                            map->y0 + (PetscReal)(map->rows - 1) * map->cell[1]};
+
+  return (PetscBool)(!map->value || (x[0] >= map->x0 && x[1] >= map->y0 && x[0] <= far[0] && x[1] <= far[1]));
+}
+
 /* The scene's bed below a column; `differs`: the most by which the file's is another, m. */
 static void Stand(const MpmBed *bed, MpmFlowColumn *column, PetscReal *differs)
 {
   MpmBedPatch patch;
 
+  if (!Knows(bed, column->x)) return;
   MpmBedPatchAt(bed, column->x, &patch);
   if (!PetscIsInfOrNanReal(patch.z)) *differs = PetscMax(*differs, PetscAbsReal(patch.z - column->bed));
   column->bed = patch.z;

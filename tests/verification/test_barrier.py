@@ -144,15 +144,16 @@ def brake(test):
         test.check(f"{label}.files", len(refused.files), 0, 0)
 
 
-def example_runs(test, name, scenes, body):
-    """An example's depth-averaged run, and the scenes in 3D after it: file and options by name."""
+def example_runs(test, name, scenes):
+    """An example's depth-averaged run, and the scenes in 3D after it: options by file; `on` is the body that goes on."""
     folder = test.folder()
     test.check(f"{name}.made", call([sys.executable, EXAMPLES / name / "make.py", folder / "out"], folder).returncode, 0, 0)
     flow = None
     for scene, options in scenes.items():
         shutil.copy(EXAMPLES / name / f"{scene}.yaml", folder)
-        if options == "on":
-            options = {f"mpm_body_{body}_file": flow.prefix + ".h5"}
+        body = options.pop("on", None)
+        if body:
+            options[f"mpm_body_{body}_file"] = flow.prefix + ".h5"
         run = test.run(folder / f"{scene}.yaml", **options)
         flow = flow or run
         test.check_example(f"{name}.{scene}", run, name)
@@ -163,4 +164,5 @@ if __name__ == "__main__":
         slide(test)
         tank(test)
         brake(test)
-        example_runs(test, "sliding_to_wall", {"case": {}, "wall": "on", "pond": {}}, "water")
+        example_runs(test, "sliding_to_wall", {"case": {}, "wall": {"on": "water"}, "pond": {}})
+        example_runs(test, "mudflow_barrier", {"case": {}, "barrier": {"on": "flow", "mpm_time_end": 6}})
