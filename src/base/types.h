@@ -89,7 +89,14 @@ typedef enum {
   MPM_SHAPE_BSPLINE2,      /* quadratic B-spline at the point */
   MPM_SHAPE_BSPLINE3,      /* cubic B-spline at the point */
   MPM_SHAPE_GIMP_BSPLINE2, /* quadratic B-spline averaged over the point's domain */
-  MPM_SHAPE_COUNT
+  MPM_SHAPE_COUNT,         /* of shapes whose nodes are the grid's vertices */
+  /* Lagrange elements of order 2 to 4, of nodes within cells (-mpm_order); those of order 1 are the linear shapes */
+  MPM_SHAPE_ELEMENT2 = MPM_SHAPE_COUNT,
+  MPM_SHAPE_ELEMENT3,
+  MPM_SHAPE_ELEMENT4,
+  MPM_SHAPE_GIMP_ELEMENT2, /* averaged over the point's domain */
+  MPM_SHAPE_GIMP_ELEMENT3,
+  MPM_SHAPE_GIMP_ELEMENT4
 } MpmShapeType;
 
 /*E

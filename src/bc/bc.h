@@ -93,8 +93,8 @@ PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, c
 /* Whether a condition keeps its nodes from moving along an axis. */
 PetscBool      MpmConditionFixes(const MpmCondition *bc, PetscInt axis);
 PetscErrorCode MpmConditionDestroy(MpmCondition *bc);
-/* The walls that a condition makes; walls has room for 2*dim. */
-PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,
+/* The walls that a condition makes, `spline` for splines; walls has room for 2*dim. */
+PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscBool spline, PetscInt *count,
                                     MpmWall *walls);
 /* `contradicts` is a motion that another one, or a condition, contradicts at a node, or -1; the same on all ranks. */
 PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescription *step, const MpmGrid *grid,

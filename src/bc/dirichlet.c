@@ -273,7 +273,7 @@ PetscBool MpmConditionFixes(const MpmCondition *bc, PetscInt axis)
   return (PetscBool)(!bc->absorbing && MotionAlong(bc, axis, &least, &most) && least == 0. && most == 0.);
 }
 
-PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscInt degree, PetscInt *count,
+PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid, PetscBool spline, PetscInt *count,
                                     MpmWall walls[])
 {
   PetscFunctionBeginUser;
@@ -300,8 +300,8 @@ PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid,
        MPM_TOLERANCE);
     if (first > last) continue;
     /* material that is drawn across the plane must not be cut there; splines need the end that a wall gives them */
-    above = (PetscBool)(degree > 1 || least == 0.);
-    below = (PetscBool)(degree > 1 || most == 0.);
+    above = (PetscBool)(spline || least == 0.);
+    below = (PetscBool)(spline || most == 0.);
     if (above && last > 0 && last < grid->cells[axis]) {
       wall.node         = last;
       wall.side         = 1;

@@ -89,7 +89,7 @@ static PetscBool IsWellFilled(const Search *search, const PetscInt piece[])
 static PetscErrorCode MarkNodes(Search *search, PetscInt count)
 {
   const MpmSpace *space = search->space;
-  const PetscInt  dim = space->dim, degree = search->pieces.degree;
+  const PetscInt  dim = space->dim, degree = search->pieces.knots.degree, order = search->pieces.knots.order;
   Marks          *marks = &search->marks;
   PetscInt        piece[MPM_MAX_DIM], node[MPM_MAX_DIM];
   MpmPieceLine    lines[MPM_MAX_DIM];
@@ -97,8 +97,8 @@ static PetscErrorCode MarkNodes(Search *search, PetscInt count)
   PetscFunctionBeginUser;
   marks->dim = dim;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    marks->lower[a] = search->pieces.lower[a] - (a < dim ? degree + 1 : 0);
-    marks->size[a]  = search->pieces.size[a] + (a < dim ? 2 * degree + 3 : 0);
+    marks->lower[a] = order * search->pieces.lower[a] - (a < dim ? degree + 1 : 0);
+    marks->size[a]  = a < dim ? order * search->pieces.size[a] + 2 * degree + 3 : 1;
   }
   PetscCall(PetscCalloc1((marks->size[0] * marks->size[1] * marks->size[2]), &marks->mark));
   for (PetscInt i = 0; i < count; i++) {
@@ -135,39 +135,49 @@ static char *RingAt(PetscInt dim, Rings *rings, const PetscInt piece[])
 }
 
 /* Square of the distance between a node and a piece's middle, cells. */
-static PetscReal Distance(PetscInt dim, PetscInt degree, const PetscInt node[], const PetscInt piece[])
+static PetscReal Distance(PetscInt dim, MpmKnots knots, const PetscInt node[], const PetscInt piece[])
 {
   PetscReal sum = 0.;
 
-  for (PetscInt a = 0; a < dim; a++) sum += PetscSqr((PetscReal)(piece[a] - node[a]) + (degree % 2 ? 0.5 : 0.));
+  for (PetscInt a = 0; a < dim; a++)
+    sum += PetscSqr((PetscReal)(piece[a] - MpmPieceOfNode(knots, node[a])) - MpmPiecePlace(knots, node[a]) +
+                    (MpmKnotsBetween(knots) ? 0. : 0.5));
   return sum;
 }
 
 /* Pieces on either side of a node among which the ring `now` lies. */
-static PetscInt Radius(PetscInt degree, PetscInt now)
+static PetscInt Radius(MpmKnots knots, PetscInt now)
 {
-  return PetscMin(SEARCH + 1, now + (degree + 1) / 2);
+  return PetscMin(SEARCH + 1, now + (knots.order > 1 ? 1 : (knots.degree + 1) / 2));
+}
+
+/* The piece at a distance from that of a node's index. */
+static void PieceBeside(MpmKnots knots, const PetscInt node[], const PetscInt d[], PetscInt piece[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) piece[a] = MpmPieceOfNode(knots, node[a]) + d[a];
 }
 
 /* Pieces of the ring `now`, from those of the last one; the first ring are the pieces that have the node. */
 static PetscInt GrowRing(const Search *search, const PetscInt node[], PetscInt now, Rings *rings)
 {
-  const PetscInt dim = search->space->dim, degree = search->pieces.degree;
-  PetscInt       d[MPM_MAX_DIM], grown            = 0;
+  const MpmKnots knots = search->pieces.knots;
+  const PetscInt dim   = search->space->dim;
+  PetscInt       d[MPM_MAX_DIM], piece[MPM_MAX_DIM], e[MPM_MAX_DIM], grown = 0;
 
-  FOR_BLOCK(dim, Radius(degree, now), d)
+  FOR_BLOCK(dim, Radius(knots, now), d)
   {
-    PetscInt  piece[MPM_MAX_DIM] = {node[0] + d[0], node[1] + d[1], node[2] + d[2]}, e[MPM_MAX_DIM];
-    char     *ring               = RingAt(dim, rings, piece);
-    PetscBool reached            = PETSC_FALSE;
+    PetscBool reached = PETSC_FALSE;
+    char     *ring;
 
+    PieceBeside(knots, node, d, piece);
+    ring = RingAt(dim, rings, piece);
     if (!ring || *ring || !MpmPiecesFill(&search->pieces, piece)) continue;
     if (!now) {
       reached = PETSC_TRUE;
       for (PetscInt a = 0; a < dim; a++) {
-        const PetscInt from = node[a] - (piece[a] - degree / 2);
+        const PetscInt from = node[a] - MpmPieceFirstNode(knots, piece[a]);
 
-        if (from < 0 || from > degree) reached = PETSC_FALSE;
+        if (from < 0 || from > knots.degree) reached = PETSC_FALSE;
       }
     } else {
       FOR_BLOCK(dim, 1, e)
@@ -188,23 +198,27 @@ static PetscInt GrowRing(const Search *search, const PetscInt node[], PetscInt n
 /* The nearest well filled pieces of the first ring that has any: their number. */
 static PetscInt FindNearest(const Search *search, const PetscInt node[], PetscInt found[], PetscInt most)
 {
-  const PetscInt dim = search->space->dim, degree = search->pieces.degree;
+  const MpmKnots knots = search->pieces.knots;
+  const PetscInt dim   = search->space->dim;
   Rings          rings;
-  PetscInt       count   = 0, d[MPM_MAX_DIM];
+  PetscInt       count   = 0, d[MPM_MAX_DIM], piece[MPM_MAX_DIM];
   PetscReal      nearest = PETSC_INFINITY;
 
   (void)memset(&rings, 0, sizeof(rings));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) rings.lower[a] = a < dim ? node[a] - SEARCH - 1 : 0;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) rings.lower[a] = a < dim ? MpmPieceOfNode(knots, node[a]) - SEARCH - 1 : 0;
   for (PetscInt now = 0; now <= SEARCH && !count; now++) {
     if (!GrowRing(search, node, now, &rings)) return 0;
-    FOR_BLOCK(dim, Radius(degree, now), d)
+    FOR_BLOCK(dim, Radius(knots, now), d)
     {
-      const PetscInt piece[MPM_MAX_DIM] = {node[0] + d[0], node[1] + d[1], node[2] + d[2]};
-      const char    *ring               = RingAt(dim, &rings, piece);
-      const PetscInt index              = MpmPiecesIndex(&search->pieces, piece);
+      const char *ring;
+      PetscInt    index;
+
+      PieceBeside(knots, node, d, piece);
+      ring  = RingAt(dim, &rings, piece);
+      index = MpmPiecesIndex(&search->pieces, piece);
 
       if (!ring || *ring != now + 1 || !search->well[index]) continue;
-      const PetscReal away = Distance(dim, degree, node, piece);
+      const PetscReal away = Distance(dim, knots, node, piece);
 
       if (away > nearest + SAME_PATH) continue;
       if (away < nearest - SAME_PATH) count = 0;
@@ -242,49 +256,20 @@ static PetscErrorCode Reserve(Found *found, PetscInt entries)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define LINE_NODES 8 /* of a piece on an axis, degree 3 with an open edge included */
-
-/* The weights along one axis of the piece's nodes at a node's index there: that node's own where the piece has it. */
-static void LineWeights(const MpmPieceLine *line, PetscInt degree, PetscInt node, PetscReal weight[])
-{
-  const PetscInt inside = line->edge == MPM_EDGE_OPEN ? 1 : 0; /* the first node that stands for itself */
-
-  for (PetscInt k = 0; k <= line->high - line->low; k++) weight[k] = 0.;
-  if (node >= line->low && node <= line->high) {
-    weight[node - line->low] = 1.;
-    return;
-  }
-  for (PetscInt k = 0; k <= degree; k++) {
-    const PetscInt  at   = line->first + k;
-    const PetscInt  step = at < line->lower + inside ? 1 : at > line->upper - inside ? -1 : 0;
-    const PetscInt  edge = step > 0 ? line->lower : line->upper;
-    const PetscInt  from = node < line->low ? 0 : degree - 1; /* of the two nodes that the extension takes */
-    const PetscInt  away = node - line->first - from;
-    const PetscReal L    = k == from ? 1. - (PetscReal)away : k == from + 1 ? (PetscReal)away : 0.;
-
-    if (!step) weight[at - line->low] += L;
-    for (PetscInt j = 0; step && j <= degree; j++) {
-      const PetscReal part = MpmEdgeCoefficient(line->edge, degree, PetscAbsInt(edge - at), j);
-
-      if (part != 0.) weight[edge + step * j - line->low] += part * L;
-    }
-  }
-}
-
 /* Appends a follower's masters in one piece, whose extension counts by a share. */
 static PetscErrorCode AppendPiece(const Search *search, const PetscInt node[], PetscInt index, PetscReal share,
                                   Found *found)
 {
-  const PetscInt dim = search->space->dim, degree = search->pieces.degree;
+  const PetscInt dim = search->space->dim;
   PetscInt       piece[MPM_MAX_DIM], at[MPM_MAX_DIM], place = 0;
   MpmPieceLine   lines[MPM_MAX_DIM];
-  PetscReal      weight[MPM_MAX_DIM][LINE_NODES];
+  PetscReal      weight[MPM_MAX_DIM][MPM_PIECE_NODES];
 
   PetscFunctionBeginUser;
   MpmPiecesAt(&search->pieces, index, piece);
   (void)MpmPieceLines(search->space, search->rules, &search->pieces, piece, lines);
-  for (PetscInt a = 0; a < dim; a++) LineWeights(&lines[a], degree, node[a], weight[a]);
-  PetscCall(Reserve(found, LINE_NODES * LINE_NODES * LINE_NODES));
+  for (PetscInt a = 0; a < dim; a++) MpmPieceWeights(&lines[a], search->pieces.knots, node[a], weight[a]);
+  PetscCall(Reserve(found, MPM_PIECE_NODES * MPM_PIECE_NODES * MPM_PIECE_NODES));
   FOR_LINES(dim, lines, at)
   {
     PetscReal value = share;
@@ -336,17 +321,18 @@ static PetscErrorCode ListNode(const Search *search, const PetscInt node[], Foun
 */
 static PetscBool FindCandidates(const Search *search, PetscInt index, PetscInt piece[], PetscInt low[], PetscInt high[])
 {
-  const PetscInt dim = search->space->dim, degree = search->pieces.degree;
+  const MpmKnots knots = search->pieces.knots;
+  const PetscInt dim   = search->space->dim;
   MpmPieceLine   lines[MPM_MAX_DIM];
   PetscBool      whole;
 
   MpmPiecesAt(&search->pieces, index, piece);
   whole = MpmPieceLines(search->space, search->rules, &search->pieces, piece, lines);
   for (PetscInt a = 0; a < dim; a++)
-    whole = (PetscBool)(whole && lines[a].low == lines[a].first && lines[a].high == lines[a].first + degree);
+    whole = (PetscBool)(whole && lines[a].low == lines[a].first && lines[a].high == lines[a].first + knots.degree);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    low[a]  = a >= dim ? 0 : whole ? lines[a].low : piece[a] - degree - 1;
-    high[a] = a >= dim ? 0 : whole ? lines[a].high : piece[a] + degree + 1;
+    low[a]  = a >= dim ? 0 : whole ? lines[a].low : knots.order * piece[a] - knots.degree - 1;
+    high[a] = a >= dim ? 0 : whole ? lines[a].high : knots.order * piece[a] + knots.degree + 1;
   }
   return (PetscBool) !(whole && search->well[index]);
 }
@@ -358,7 +344,7 @@ static PetscBool Owns(const Search *search, const PetscInt node[])
 
   MpmSpaceAt(search->space, node, at);
   for (PetscInt a = 0; a < grid->dim; a++)
-    if (at[a] < 0 || at[a] > grid->cells[a]) return PETSC_FALSE;
+    if (at[a] < 0 || at[a] >= grid->nodes[a]) return PETSC_FALSE;
   return (PetscBool)(MpmGridNodeOwner(grid, at) == grid->rank);
 }
 

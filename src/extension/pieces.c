@@ -17,7 +17,7 @@
 static void EdgesAt(const MpmSpace *space, const MpmRules *rules, PetscInt part, const PetscReal x[], PetscInt lower[],
                     PetscInt upper[])
 {
-  const PetscInt last = space->dim - 1, shift = space->parts.stride * part;
+  const PetscInt last = space->dim - 1, shift = space->parts.spans * part;
 
   MpmSpaceEdges(rules, x, lower, upper);
   lower[last] += shift;
@@ -25,22 +25,22 @@ static void EdgesAt(const MpmSpace *space, const MpmRules *rules, PetscInt part,
 }
 
 /* The middle of a piece, on the grid. */
-static void Middle(const MpmSpace *space, const MpmGrid *grid, PetscInt degree, const PetscInt piece[], PetscReal x[])
+static void Middle(const MpmSpace *space, const MpmGrid *grid, MpmKnots knots, const PetscInt piece[], PetscReal x[])
 {
   PetscInt at[MPM_MAX_DIM];
 
-  MpmSpaceAt(space, piece, at);
+  MpmSpaceSpanAt(space, piece, at);
   for (PetscInt a = 0; a < grid->dim; a++)
-    x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)at[a] + (degree % 2 ? 0.5 : 0.));
+    x[a] = grid->lower[a] + grid->h[a] * ((PetscReal)at[a] + (MpmKnotsBetween(knots) ? 0. : 0.5));
 }
 
-void MpmPieceEdges(const MpmSpace *space, const MpmRules *rules, PetscInt degree, const PetscInt piece[],
+void MpmPieceEdges(const MpmSpace *space, const MpmRules *rules, MpmKnots knots, const PetscInt piece[],
                    PetscInt lower[], PetscInt upper[])
 {
   PetscReal x[MPM_MAX_DIM];
 
-  Middle(space, rules->grid, degree, piece, x);
-  EdgesAt(space, rules, MpmSpacePart(space, piece), x, lower, upper);
+  Middle(space, rules->grid, knots, piece, x);
+  EdgesAt(space, rules, MpmSpaceSpanPart(space, piece), x, lower, upper);
 }
 
 /* As MpmPieceEdges(), but a piece around a node on a wall with two sides is that on the side with more material. */
@@ -48,10 +48,10 @@ static void FilledEdges(const MpmSpace *space, const MpmRules *rules, const MpmP
                         PetscInt lower[], PetscInt upper[])
 {
   const MpmGrid *grid = rules->grid;
-  const PetscInt part = MpmSpacePart(space, piece);
+  const PetscInt part = MpmSpaceSpanPart(space, piece);
   PetscReal      x[MPM_MAX_DIM];
 
-  Middle(space, grid, pieces->degree, piece, x);
+  Middle(space, grid, pieces->knots, piece, x);
   EdgesAt(space, rules, part, x, lower, upper);
   for (PetscInt a = 0; a < grid->dim; a++) {
     PetscInt above[MPM_MAX_DIM] = {piece[0], piece[1], piece[2]}, below[MPM_MAX_DIM] = {piece[0], piece[1], piece[2]};
@@ -65,15 +65,23 @@ static void FilledEdges(const MpmSpace *space, const MpmRules *rules, const MpmP
 }
 
 /* The nodes of a piece between edges; PETSC_FALSE where there is no room for it. */
-static PetscBool LinesBetween(const MpmSpace *space, const MpmRules *rules, PetscInt degree, const PetscInt piece[],
+static PetscBool LinesBetween(const MpmSpace *space, const MpmRules *rules, MpmKnots knots, const PetscInt piece[],
                               const PetscInt lower[], const PetscInt upper[], MpmPieceLine lines[])
 {
-  for (PetscInt a = 0; a < space->dim; a++) {
-    MpmPieceLine  *line = &lines[a];
-    const PetscInt last = piece[a] + MpmPieceFirstNode(degree) + degree;
+  const PetscInt degree = knots.degree;
 
-    *line      = (MpmPieceLine){.first = piece[a] + MpmPieceFirstNode(degree), .lower = lower[a], .upper = upper[a]};
-    line->edge = MpmEdgeOf(rules->edge, degree, upper[a] - lower[a]);
+  for (PetscInt a = 0; a < space->dim; a++) {
+    MpmPieceLine  *line  = &lines[a];
+    const PetscInt first = MpmPieceFirstNode(knots, piece[a]), last = first + degree;
+
+    *line = (MpmPieceLine){.first = first, .lower = lower[a] * knots.order, .upper = upper[a] * knots.order};
+    if (knots.order > 1) {
+      line->low  = first;
+      line->high = last;
+      if (piece[a] < lower[a] || piece[a] >= upper[a]) return PETSC_FALSE;
+      continue;
+    }
+    line->edge           = MpmEdgeOf(rules->edge, degree, upper[a] - lower[a]);
     const PetscBool open = (PetscBool)(line->edge == MPM_EDGE_OPEN);
 
     line->low  = PetscMax(line->first, lower[a]);
@@ -91,7 +99,7 @@ PetscBool MpmPieceLines(const MpmSpace *space, const MpmRules *rules, const MpmP
   PetscInt lower[MPM_MAX_DIM] = {0}, upper[MPM_MAX_DIM] = {0};
 
   FilledEdges(space, rules, pieces, piece, lower, upper);
-  return LinesBetween(space, rules, pieces->degree, piece, lower, upper, lines);
+  return LinesBetween(space, rules, pieces->knots, piece, lower, upper, lines);
 }
 
 /* Pieces that a point's domain touches along an axis, and their shares of it. */
@@ -100,9 +108,9 @@ typedef struct {
   PetscReal share[MPM_MAX_WIDTH + 1];
 } Overlap;
 
-static void FindOverlap(PetscInt degree, PetscReal xi, PetscReal half, Overlap *overlap)
+static void FindOverlap(MpmKnots knots, PetscReal xi, PetscReal half, Overlap *overlap)
 {
-  const PetscReal shift = degree % 2 ? 0. : 0.5, low = xi - half + shift, high = xi + half + shift;
+  const PetscReal shift = MpmKnotsBetween(knots) ? 0.5 : 0., low = xi - half + shift, high = xi + half + shift;
   const PetscReal length = high - low;
   PetscInt        last;
 
@@ -125,14 +133,14 @@ static PetscBool TouchesAll(const MpmSpace *space, const MpmRules *rules, const 
                             const MpmPoints *points, PetscInt p, const PetscInt piece[])
 {
   const PetscInt *first = &space->touched.first[p * space->dim], *count = &space->touched.count[p * space->dim];
-  const PetscInt  part  = MpmSpacePart(space, piece);
+  const PetscInt  part  = MpmSpaceSpanPart(space, piece);
   PetscInt        shift = space->parts.stride * part, least = count[0], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
   MpmPieceLine    lines[MPM_MAX_DIM];
 
   for (PetscInt a = 1; a < space->dim; a++) least = PetscMin(least, count[a]);
-  if (least > pieces->degree) return PETSC_TRUE;
+  if (least > pieces->knots.degree) return PETSC_TRUE;
   EdgesAt(space, rules, part, &points->x[p * space->dim], lower, upper);
-  if (!LinesBetween(space, rules, pieces->degree, piece, lower, upper, lines)) return PETSC_FALSE;
+  if (!LinesBetween(space, rules, pieces->knots, piece, lower, upper, lines)) return PETSC_FALSE;
   for (PetscInt a = 0; a < space->dim; a++) {
     const PetscInt from = first[a] + (a == space->dim - 1 ? shift : 0);
 
@@ -156,7 +164,7 @@ static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoin
                      const MpmPieces *pieces)
 {
   const MpmGrid  *grid = rules->grid;
-  const PetscInt  dim = space->dim, shift = MpmSpaceShift(space, points->domain.part, p);
+  const PetscInt  dim = space->dim, shift = space->parts.stride ? space->parts.spans * points->domain.part[p] : 0;
   const PetscReal volume = MpmPointExtent(points, dim, p);
   const PetscReal cube   = space->shapes.half ? 0. : 0.5 * PetscPowReal(PetscMax(volume, 0.), 1. / (PetscReal)dim);
   PetscInt        first[MPM_MAX_DIM] = {0, 0, 0}, count[MPM_MAX_DIM] = {1, 1, 1}, piece[MPM_MAX_DIM] = {0, 0, 0};
@@ -166,9 +174,9 @@ static void AddPoint(const MpmSpace *space, const MpmRules *rules, const MpmPoin
   for (PetscInt a = 0; a < dim; a++) {
     const PetscReal xi = (points->x[p * dim + a] - grid->lower[a]) / grid->h[a];
 
-    FindOverlap(pieces->degree, xi, space->shapes.half ? space->shapes.half[p * dim + a] : cube / grid->h[a],
+    FindOverlap(pieces->knots, xi, space->shapes.half ? space->shapes.half[p * dim + a] : cube / grid->h[a],
                 &overlap[a]);
-    piece[a] = (PetscInt)PetscFloorReal(xi + (pieces->degree % 2 ? 0. : 0.5));
+    piece[a] = (PetscInt)PetscFloorReal(xi + (MpmKnotsBetween(pieces->knots) ? 0.5 : 0.));
     first[a] = overlap[a].first;
     count[a] = overlap[a].count;
     units /= grid->h[a];
@@ -205,8 +213,10 @@ static void FindBounds(const MpmSpace *space, PetscInt margin, MpmPieces *pieces
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) pieces->lower[a] = a < space->dim ? PETSC_INT_MAX : 0;
   for (PetscInt g = 0; g < space->boxes.count; g++) {
     for (PetscInt a = 0; a < space->dim; a++) {
-      pieces->lower[a] = PetscMin(pieces->lower[a], space->groups[g].first[a] - margin);
-      upper[a]         = PetscMax(upper[a], space->groups[g].first[a] + space->groups[g].count[a] + margin);
+      const PetscInt first = space->groups[g].first[a], last = first + space->groups[g].count[a] - 1;
+
+      pieces->lower[a] = PetscMin(pieces->lower[a], MpmPieceOfNode(pieces->knots, first) - margin);
+      upper[a]         = PetscMax(upper[a], MpmPieceOfNode(pieces->knots, last) + 1 + margin);
     }
   }
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
@@ -271,7 +281,7 @@ static PetscInt FindRanks(const Around *around, const PetscInt piece[])
 {
   PetscInt at[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
-  MpmSpaceAt(around->space, piece, at);
+  MpmSpaceSpanAt(around->space, piece, at);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     lower[a] = at[a] - around->distance;
     upper[a] = at[a] + around->distance;
@@ -354,7 +364,7 @@ static PetscErrorCode DoubleAtEdges(const MpmSpace *space, const MpmRules *rules
   PetscInt       piece[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], *fill;
 
   PetscFunctionBeginUser;
-  if (pieces->degree % 2) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmKnotsBetween(pieces->knots)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(size, &fill));
   PetscCall(PetscArraycpy(fill, pieces->fill, size));
   for (PetscInt i = 0; i < size; i++) {
@@ -376,7 +386,7 @@ PetscErrorCode MpmPiecesCreate(const MpmSpace *space, const MpmRules *rules, con
   PetscInt widest = 0;
 
   PetscFunctionBeginUser;
-  *pieces = (MpmPieces){.dim = space->dim, .degree = MpmShapeDegree(rules->shape)};
+  *pieces = (MpmPieces){.knots = {MpmShapeDegree(rules->shape), MpmShapeOrder(rules->shape)}, .dim = space->dim};
   FindBounds(space, margin, pieces);
   PetscCall(Allocate(pieces));
   for (PetscInt p = 0; p < space->point_count; p++) AddPoint(space, rules, points, p, pieces);

@@ -9,11 +9,19 @@
 #define MPM_PIECE_FULL (1 << 26)
 
 /*
+  Degree of the polynomials in a piece, and nodes a piece on an axis (MpmShapeOrder()).
+*/
+typedef struct {
+  PetscInt degree, order;
+} MpmKnots;
+
+/*
   Pieces between knots on the lattice: the grid's cells, or the cells around nodes for splines of even degree. A part
   of the material has pieces of its own (space.h).
 */
 typedef struct {
-  PetscInt dim, degree, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];
+  MpmKnots knots;
+  PetscInt dim, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];
   PetscInt
        *fill;  /* volume of the points' domains within the piece over the piece's, in MPM_PIECE_FULL; 0: not touched */
   char *touch; /* 0: no point does; 1: not all of its nodes; 2: a point touches all of them */
@@ -61,13 +69,22 @@ static inline void MpmPiecesAt(const MpmPieces *pieces, PetscInt index, PetscInt
     piece[a] = pieces->lower[a] + index % pieces->size[a];
 }
 
-/* The first of the p + 1 nodes of a piece along an axis, counted from the piece. */
-static inline PetscInt MpmPieceFirstNode(PetscInt degree)
+/* True where knots lie between the vertices. */
+static inline PetscBool MpmKnotsBetween(MpmKnots knots)
 {
-  return -(degree / 2);
+  return (PetscBool)(knots.order == 1 && knots.degree % 2 == 0);
 }
-/* Edges about the middle of a piece, in the lattice of its part. */
-void MpmPieceEdges(const MpmSpace *space, const MpmRules *rules, PetscInt degree, const PetscInt piece[],
+/* The first of the p + 1 nodes of a piece along an axis; and the piece above the last knot that is not above a node. */
+static inline PetscInt MpmPieceFirstNode(MpmKnots knots, PetscInt piece)
+{
+  return knots.order > 1 ? piece * knots.order : piece - knots.degree / 2;
+}
+static inline PetscInt MpmPieceOfNode(MpmKnots knots, PetscInt node)
+{
+  return knots.order > 1 ? node / knots.order : node;
+}
+/* Edges about the middle of a piece, in the lattice of its part: vertices. */
+void MpmPieceEdges(const MpmSpace *space, const MpmRules *rules, MpmKnots knots, const PetscInt piece[],
                    PetscInt lower[], PetscInt upper[]);
 
 /* Runs over a box on the lattice, the first axis fastest. */
@@ -78,11 +95,16 @@ void MpmPieceEdges(const MpmSpace *space, const MpmRules *rules, PetscInt degree
 
 /* The nodes of a piece along one axis; coefficients of those beyond an edge are combinations of the others. */
 typedef struct {
-  PetscInt    first;        /* of the degree + 1 nodes of the spline */
+  PetscInt    first;        /* of the degree + 1 nodes of the polynomial */
   PetscInt    low, high;    /* those that exist */
-  PetscInt    lower, upper; /* edges */
+  PetscInt    lower, upper; /* edges, nodes */
   MpmEdgeType edge;
 } MpmPieceLine;
+#define MPM_PIECE_NODES 8 /* of a piece on an axis, degree 3 with an open edge included */
+/* Where a node stands in the piece of its index, cells from the piece's lower face; 0 but for elements. */
+PetscReal MpmPiecePlace(MpmKnots knots, PetscInt node);
+/* The weights along one axis of the piece's nodes at a node's index there: that node's own where the piece has it. */
+void MpmPieceWeights(const MpmPieceLine *line, MpmKnots knots, PetscInt node, PetscReal weight[]);
 /* The lines of all axes; PETSC_FALSE where there is no room for the piece between the edges. */
 PetscBool MpmPieceLines(const MpmSpace *space, const MpmRules *rules, const MpmPieces *pieces, const PetscInt piece[],
                         MpmPieceLine lines[]);

@@ -90,12 +90,6 @@ void MpmGridAtStart(const MpmGrid *grid, const PetscReal x[], PetscReal start[])
     start[a] = grid->moved ? grid->start_lower[a] + (x[a] - grid->lower[a]) * (grid->start_h[a] / grid->h[a]) : x[a];
 }
 
-void MpmGridNodeAtStart(const MpmGrid *grid, const PetscInt node[], PetscReal start[])
-{
-  for (PetscInt a = 0; a < grid->dim; a++)
-    start[a] = grid->start_lower[a] + grid->start_h[a] * MpmGridNodeXi(grid, node[a]);
-}
-
 void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[])
 {
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) cell[a] = 0;
@@ -104,23 +98,6 @@ void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[])
 
     cell[a] = (PetscInt)PetscMin(PetscMax(xi, 0.), (PetscReal)(grid->cells[a] - 1));
   }
-}
-
-void MpmGridSetOrder(MpmGrid *grid, PetscInt order)
-{
-  grid->order = order;
-  for (PetscInt a = 0; a < grid->dim; a++) grid->nodes[a] = order * grid->cells[a] + 1;
-}
-
-const PetscReal *MpmCellNodes(PetscInt order)
-{
-  /* (1 + x)/2 with x = 0, sqrt(1/5), sqrt(3/7) */
-  static const PetscReal place[4][5] = {{0., 1.},
-                                        {0., 0.5, 1.},
-                                        {0., 0.27639320225002103, 0.72360679774997897, 1.},
-                                        {0., 0.17267316464601143, 0.5, 0.82732683535398857, 1.}};
-
-  return place[order - 1];
 }
 
 static inline PetscBool IsBelow(const MpmSplit *split, const PetscInt node[])
@@ -151,15 +128,6 @@ PetscMPIInt MpmGridCellOwner(const MpmGrid *grid, const PetscInt node[])
     }
   }
   return first;
-}
-
-PetscMPIInt MpmGridNodeOwner(const MpmGrid *grid, const PetscInt node[])
-{
-  PetscInt cell[MPM_MAX_DIM];
-
-  if (grid->order <= 1) return MpmGridCellOwner(grid, node);
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) cell[a] = node[a] / grid->order;
-  return MpmGridCellOwner(grid, cell);
 }
 
 static PetscInt BoxOwners(const MpmSplit *split, PetscMPIInt first, PetscMPIInt ranks, const PetscInt lower[],

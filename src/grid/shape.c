@@ -25,12 +25,35 @@
   in MPM); de Boor (1978), A Practical Guide to Splines, IV (not a knot).
 */
 #include "talus/compat.h"
-#include "grid/shape.h"
+#include "grid/shape_element.h"
 
 #include <math.h>
 
 const char *const MpmShapeTypes[] = {"linear", "gimp", "bspline2", "bspline3", "gimp_bspline2", NULL};
 const char *const MpmEdgeTypes[]  = {"linear", "open", NULL};
+const char *const MpmShapeWords[] = {"linear",        "gimp",    "bspline2",     "bspline3",
+                                     "gimp_bspline2", "element", "gimp_element", NULL};
+
+/* Properties of a shape. */
+typedef struct {
+  const char  *name;
+  PetscInt     degree, order;
+  PetscBool    domain;
+  MpmShapeType sampled;
+} Shape;
+static const Shape shapes[] = {
+  [MPM_SHAPE_LINEAR]        = {"linear", 1, 1, PETSC_FALSE, MPM_SHAPE_LINEAR},
+  [MPM_SHAPE_GIMP]          = {"gimp", 1, 1, PETSC_TRUE, MPM_SHAPE_LINEAR},
+  [MPM_SHAPE_BSPLINE2]      = {"bspline2", 2, 1, PETSC_FALSE, MPM_SHAPE_BSPLINE2},
+  [MPM_SHAPE_BSPLINE3]      = {"bspline3", 3, 1, PETSC_FALSE, MPM_SHAPE_BSPLINE3},
+  [MPM_SHAPE_GIMP_BSPLINE2] = {"gimp_bspline2", 2, 1, PETSC_TRUE, MPM_SHAPE_BSPLINE2},
+  [MPM_SHAPE_ELEMENT2]      = {"element of order 2", 2, 2, PETSC_FALSE, MPM_SHAPE_ELEMENT2},
+  [MPM_SHAPE_ELEMENT3]      = {"element of order 3", 3, 3, PETSC_FALSE, MPM_SHAPE_ELEMENT3},
+  [MPM_SHAPE_ELEMENT4]      = {"element of order 4", 4, 4, PETSC_FALSE, MPM_SHAPE_ELEMENT4},
+  [MPM_SHAPE_GIMP_ELEMENT2] = {"gimp_element of order 2", 2, 2, PETSC_TRUE, MPM_SHAPE_ELEMENT2},
+  [MPM_SHAPE_GIMP_ELEMENT3] = {"gimp_element of order 3", 3, 3, PETSC_TRUE, MPM_SHAPE_ELEMENT3},
+  [MPM_SHAPE_GIMP_ELEMENT4] = {"gimp_element of order 4", 4, 4, PETSC_TRUE, MPM_SHAPE_ELEMENT4},
+};
 
 /* The point's knot interval: B-splines are polynomials of `local` while it stays between `offset` and `offset` + 1. */
 typedef struct {
@@ -43,20 +66,49 @@ typedef struct {
 
 PetscBool MpmShapeHasDomain(MpmShapeType type)
 {
-  return (type == MPM_SHAPE_GIMP || type == MPM_SHAPE_GIMP_BSPLINE2) ? PETSC_TRUE : PETSC_FALSE;
+  return shapes[type].domain;
 }
 
 PetscInt MpmShapeDegree(MpmShapeType type)
 {
-  switch (type) {
-  case MPM_SHAPE_BSPLINE2:
-  case MPM_SHAPE_GIMP_BSPLINE2:
-    return 2;
-  case MPM_SHAPE_BSPLINE3:
-    return 3;
-  default:
-    return 1;
-  }
+  return shapes[type].degree;
+}
+
+PetscInt MpmShapeOrder(MpmShapeType type)
+{
+  return shapes[type].order;
+}
+
+PetscReal MpmShapeSpacing(MpmShapeType type, PetscReal spacing)
+{
+  const PetscReal scaled = 0.5 * (PetscReal)(shapes[type].order + 1) * spacing;
+
+  if (shapes[type].order == 1) return spacing;
+  return scaled > 0.5 * (1. + MPM_TOLERANCE) ? PetscMax(scaled, 1.) : scaled;
+}
+
+MpmShapeType MpmShapeSampled(MpmShapeType type)
+{
+  return shapes[type].sampled;
+}
+
+const char *MpmShapeName(MpmShapeType type)
+{
+  return shapes[type].name;
+}
+
+PetscBool MpmShapeWordIsElement(PetscInt word)
+{
+  return (PetscBool)(word >= MPM_SHAPE_COUNT);
+}
+
+MpmShapeType MpmShapeOfWord(PetscInt word, PetscInt order)
+{
+  const PetscBool domain = (PetscBool)(word > MPM_SHAPE_COUNT);
+
+  if (!MpmShapeWordIsElement(word)) return (MpmShapeType)word;
+  if (order == 1) return domain ? MPM_SHAPE_GIMP : MPM_SHAPE_LINEAR;
+  return (MpmShapeType)((domain ? MPM_SHAPE_GIMP_ELEMENT2 : MPM_SHAPE_ELEMENT2) + order - 2);
 }
 
 MpmShapeType MpmShapeOfDegree(MpmShapeType type, PetscInt degree)
@@ -73,9 +125,9 @@ PetscInt MpmShapeWidth(MpmShapeType type, PetscReal half_length)
   const PetscInt degree = MpmShapeDegree(type);
 
   /* A domain of length 2l meets at most ceil(2l) + 1 knot intervals, an interval meets p + 1 nodes, and the next one
-     adds one node. */
+     adds one node, or those of a cell. */
   if (!MpmShapeHasDomain(type)) return degree + 1;
-  return degree + 1 + (PetscInt)ceil(2. * half_length);
+  return degree + 1 + MpmShapeOrder(type) * (PetscInt)ceil(2. * half_length);
 }
 
 /*
@@ -400,8 +452,11 @@ void MpmShapeEvaluateAll(MpmShapeType type, MpmEdgeType edge, PetscInt count, co
   case MPM_SHAPE_GIMP_BSPLINE2:
     EvaluateAll(2, PETSC_TRUE, edge, count, at, lines);
     break;
-  default:
+  case MPM_SHAPE_LINEAR:
     EvaluateAll(1, PETSC_FALSE, edge, count, at, lines);
+    break;
+  default:
+    MpmElementEvaluateAll(shapes[type].order, shapes[type].domain, count, at, lines);
   }
 }
 
@@ -426,6 +481,10 @@ void MpmShapeExtend(MpmShapeType type, MpmEdgeType edge, PetscReal xi, PetscReal
   const PetscInt degree = MpmShapeDegree(type);
   const Interval at     = Locate(degree, xi, edge_lower, edge_upper);
 
+  if (shapes[type].order > 1) {
+    MpmElementExtend(degree, xi, by, edge_lower, edge_upper, line);
+    return;
+  }
   line->first = at.index - degree / 2;
   line->count = degree + 1;
   for (PetscInt k = 0; k <= degree; k++) line->weight[k] = line->gradient[k] = 0.;

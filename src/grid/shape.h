@@ -11,14 +11,33 @@
 #include "base/base.h"
 #include "base/types.h"
 
-/* Names of MpmShapeType and MpmEdgeType (base/types.h) */
+/* Names of the shapes whose nodes are the grid's vertices, and of MpmEdgeType (base/types.h) */
 extern const char *const MpmShapeTypes[], *const MpmEdgeTypes[];
+/* Words of -mpm_shape: those names, then elements without and with domains; the shape of a word. Orders of words that
+   are no elements are not used. */
+extern const char *const MpmShapeWords[];
+MpmShapeType             MpmShapeOfWord(PetscInt word, PetscInt order);
+PetscBool                MpmShapeWordIsElement(PetscInt word);
+/* Name for messages and results. */
+const char *MpmShapeName(MpmShapeType type);
 
 /* True where the shape averages over the point's domain, so that domains must be followed. */
 PetscBool MpmShapeHasDomain(MpmShapeType type);
-/* Degree of the grid's spline: 1 for linear basis functions, under GIMP too. */
+/* Degree of the polynomials between knots: 1 for linear basis functions, under GIMP too. */
 PetscInt MpmShapeDegree(MpmShapeType type);
-/* The shape of another degree, 1 to 3, that averages where `type` does, if there is such a one. */
+/* Nodes a cell on an axis: the order of elements, 1 for splines. */
+PetscInt MpmShapeOrder(MpmShapeType type);
+/* True where derivatives are continuous from cell to cell, so that functions end at edges in a way of their own. */
+static inline PetscBool MpmShapeIsSpline(MpmShapeType type)
+{
+  return (PetscBool)(MpmShapeDegree(type) > MpmShapeOrder(type));
+}
+/* Cells between points that are `spacing` cells apart, as linear functions with as many points a node would have them:
+   from 1 on points are sparse. Elements of order p need p + 1 points a cell and axis. */
+PetscReal MpmShapeSpacing(MpmShapeType type, PetscReal spacing);
+/* The shape without its domains. */
+MpmShapeType MpmShapeSampled(MpmShapeType type);
+/* The spline of another degree, 1 to 3, that averages where `type` does, if there is such a one. */
 MpmShapeType MpmShapeOfDegree(MpmShapeType type, PetscInt degree);
 
 /* Nodes that a point touches on one axis at most, for domains of half-length up to half_length (in cells). */
@@ -58,11 +77,11 @@ typedef struct {
   Input Parameters:
 + type        - the shape
 . edge        - how splines end at the edges
-. xi          - the point, (x - lower)/h: node i stands at xi = i
+. xi          - the point, (x - lower)/h: vertex i stands at xi = i
 . half_length - half the length of the point's domain over h, clipped by the caller to stay between the edges; unused by
                 shapes without a domain
-. edge_lower  - first node of the axis, or of the wall that bounds the material
-- edge_upper  - last node
+. edge_lower  - first vertex of the axis, or of the wall that bounds the material
+- edge_upper  - last vertex
 
   Output Parameter:
 . line - the nodes, and their weights in arrays of the caller's: room for MpmShapeWidth() of them; `smooth` is input

@@ -3,11 +3,11 @@
 
     mean_i = sum_c f_c (1/h) int_c N_i dx ,   f_c the fraction of the point's domain in cell c
 
-  A piecewise polynomial of degree 3 at most, with knots at the ends or in the middle of a cell, is integrated exactly
-  by two Gauss points in each half.
+  A spline of degree 3 at most, with knots at the ends or in the middle of a cell, is integrated exactly by two Gauss
+  points in each half; elements have their own formula.
 */
 #include <math.h>
-#include "grid/shape.h"
+#include "grid/shape_element.h"
 
 /*
   Adds a node's share. Nodes that the point does not touch have the value that those which it does touch extend to
@@ -49,13 +49,19 @@ typedef struct {
 /* Adds `part` times the means over cell c. */
 static void AddCell(const Axis *axis, PetscInt c, PetscReal part, const MpmShapeLine *line)
 {
-  static const MpmShapeType at_point[] = {MPM_SHAPE_LINEAR, MPM_SHAPE_LINEAR, MPM_SHAPE_BSPLINE2, MPM_SHAPE_BSPLINE3};
-  const PetscInt            degree     = MpmShapeDegree(axis->type);
-  const PetscReal           gauss      = 0.25 / PetscSqrtReal(3.);
+  const PetscInt  degree = MpmShapeDegree(axis->type), order = MpmShapeOrder(axis->type);
+  const PetscReal gauss = 0.25 / PetscSqrtReal(3.);
 
   if (degree == 1) {
     AddNode(line, c, 0.5 * part);
     AddNode(line, c + 1, 0.5 * part);
+    return;
+  }
+  if (order > 1) {
+    PetscReal mean[MPM_MAX_WIDTH];
+
+    MpmElementMean(order, mean);
+    for (PetscInt k = 0; k <= order; k++) AddNode(line, c * order + k, part * mean[k]);
     return;
   }
   for (PetscInt q = 0; q < 4; q++) {
@@ -63,7 +69,7 @@ static void AddCell(const Axis *axis, PetscInt c, PetscReal part, const MpmShape
     PetscReal       weight[4], unused[4];
     MpmShapeLine    here = {.weight = weight, .gradient = unused};
 
-    MpmShapeEvaluate(at_point[degree], axis->edge, at, 0., axis->lower, axis->upper, &here);
+    MpmShapeEvaluate(MpmShapeSampled(axis->type), axis->edge, at, 0., axis->lower, axis->upper, &here);
     for (PetscInt k = 0; k < here.count; k++) AddNode(line, here.first + k, 0.25 * part * weight[k]);
   }
 }

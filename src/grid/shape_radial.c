@@ -22,11 +22,11 @@ static PetscBool IsAveraged(MpmShapeType type, const MpmRadialPlace *at)
 static void AddEnd(MpmShapeType type, MpmEdgeType edge, const MpmRadialPlace *at, PetscInt side,
                    const PetscReal factor[2], const MpmShapeLine *line, PetscReal sum[])
 {
-  const MpmShapeType plain = MpmShapeDegree(type) == 1 ? MPM_SHAPE_LINEAR : MPM_SHAPE_BSPLINE2; /* without domains */
-  PetscReal          weight[4], gradient[4];
-  MpmShapeLine       end = {.weight = weight, .gradient = gradient};
+  PetscReal    weight[MPM_MAX_WIDTH], gradient[MPM_MAX_WIDTH];
+  MpmShapeLine end = {.weight = weight, .gradient = gradient};
 
-  MpmShapeEvaluate(plain, edge, at->xi + (PetscReal)side * at->half_length, 0., at->edge_lower, at->edge_upper, &end);
+  MpmShapeEvaluate(MpmShapeSampled(type), edge, at->xi + (PetscReal)side * at->half_length, 0., at->edge_lower,
+                   at->edge_upper, &end);
   for (PetscInt i = 0; i < end.count; i++) {
     const PetscInt place = end.first + i - line->first;
 

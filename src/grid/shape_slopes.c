@@ -7,11 +7,11 @@
     dG/dx = (N'(x + l) - N'(x - l))/(2l),    dS/dl = (N(x + l) + N(x - l))/(2l) - S/l,
     dG/dl = (N'(x + l) + N'(x - l))/(2l) - G/l.
 
-  Without a domain G = N' is a polynomial of degree 2 at most, whose derivative the difference over a cell gives
-  exactly.
+  Without a domain G = N' of a spline is a polynomial of degree 2 at most, whose derivative the difference over a cell
+  gives exactly; elements have their own formula.
 */
 #include "talus/compat.h"
-#include "grid/shape.h"
+#include "grid/shape_element.h"
 
 #include <math.h>
 
@@ -25,7 +25,7 @@ typedef struct {
 /* Middle of the first knot interval, and number of intervals between the edges. */
 static PetscReal FirstMiddle(const Axis *axis, PetscInt *count)
 {
-  const PetscBool even = (PetscBool)(MpmShapeDegree(axis->type) % 2 == 0);
+  const PetscBool even = (PetscBool)(MpmShapeIsSpline(axis->type) && MpmShapeDegree(axis->type) % 2 == 0);
 
   *count = axis->upper - axis->lower + (even ? 1 : 0);
   return (PetscReal)axis->lower + (even ? 0. : 0.5);
@@ -72,6 +72,10 @@ void MpmShapeDifferentiate(MpmShapeType type, MpmEdgeType edge, const MpmShapePl
 
   for (PetscInt i = 0; i < line->count; i++)
     slopes->bend[i] = slopes->weight_by_length[i] = slopes->gradient_by_length[i] = 0.;
+  if (l <= MPM_SHAPE_POINT && MpmShapeOrder(type) > 1) {
+    MpmElementBend(MpmShapeOrder(type), xi, at->edge_lower, at->edge_upper, slopes->bend);
+    return;
+  }
   if (l <= MPM_SHAPE_POINT) {
     for (PetscInt end = -1; end <= 1; end += 2) {
       Extend(&axis, start + (PetscReal)here, xi + 0.5 * (PetscReal)end, &there);

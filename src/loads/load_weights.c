@@ -17,13 +17,6 @@ static PetscReal WithinCell(PetscReal xi, PetscReal wanted)
   return PetscMin(PetscMax(wanted, cell), cell + 1.);
 }
 
-/* The shape with which a shape's value at a place is that of the nodal function. */
-static MpmShapeType AtPlace(MpmShapeType shape)
-{
-  if (!MpmShapeHasDomain(shape)) return shape;
-  return shape == MPM_SHAPE_GIMP_BSPLINE2 ? MPM_SHAPE_BSPLINE2 : MPM_SHAPE_LINEAR;
-}
-
 /* The point's own weights on each axis, at the group's nodes. */
 static void OwnLines(const MpmTouched *at, PetscReal line[][MPM_MAX_WIDTH])
 {
@@ -45,7 +38,7 @@ static void LineAt(const MpmTouched *at, PetscInt axis, PetscInt count, const Pe
   for (PetscInt n = 0; n < count; n++) {
     const PetscReal inside = PetscMin(PetscMax(xi[n], (PetscReal)lower[axis]), (PetscReal)upper[axis]);
 
-    MpmShapeEvaluate(AtPlace(at->rules->shape), at->rules->edge, inside, 0., lower[axis], upper[axis], &there);
+    MpmShapeEvaluate(MpmShapeSampled(at->rules->shape), at->rules->edge, inside, 0., lower[axis], upper[axis], &there);
     for (PetscInt i = 0; i < at->group->count[axis]; i++) {
       const PetscInt k = at->group->first[axis] + i - there.first - shift;
 
@@ -76,7 +69,7 @@ static void SlopeAt(const MpmTouched *at, PetscInt axis, const Places *places, c
     const PetscReal xi = places->xi[n];
 
     if (xi < (PetscReal)lower[axis] || xi > (PetscReal)upper[axis]) continue;
-    MpmShapeEvaluate(AtPlace(at->rules->shape), at->rules->edge, xi, 0., lower[axis], upper[axis], &there);
+    MpmShapeEvaluate(MpmShapeSampled(at->rules->shape), at->rules->edge, xi, 0., lower[axis], upper[axis], &there);
     for (PetscInt i = 0; i < at->group->count[axis]; i++) {
       const PetscInt k = at->group->first[axis] + i - there.first - shift;
 

@@ -112,14 +112,10 @@ static PetscErrorCode ReadKind(MpmModel model, const MpmOptions *options, PetscI
 /* How the grid's equations are made. */
 static PetscErrorCode ReadDiscretization(MpmModel model, const MpmOptions *options, PetscInt dim, const char *physics)
 {
-  PetscInt shape = MPM_SHAPE_GIMP, edge = MPM_EDGE_LINEAR, jacobian = MPM_JACOBIAN_AUTO;
+  PetscInt jacobian = MPM_JACOBIAN_AUTO;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsWord(options, "shape", "shape functions", MpmShapeTypes, MPM_OPTIONAL, &shape, NULL));
-  model->scene.shape.type = (MpmShapeType)shape;
-  PetscCall(MpmOptionsWord(options, "shape_edge", "how splines end at the grid's edges and at walls", MpmEdgeTypes,
-                           MPM_OPTIONAL, &edge, NULL));
-  model->scene.shape.edge = (MpmEdgeType)edge;
+  PetscCall(MpmShapeRead(model, options));
   PetscCall(
     MpmOptionsWord(options, "jacobian", "how the Jacobian is made", MpmJacobianTypes, MPM_OPTIONAL, &jacobian, NULL));
   model->solver.jacobian.form = jacobian == MPM_JACOBIAN_AUTO ? MPM_JACOBIAN_LOCAL : (MpmJacobianType)jacobian;
@@ -462,6 +458,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscFunctionBeginUser;
   PetscCall(ReadDiscretization(model, options, dim, physics));
   PetscCall(MpmGridSetFromOptions(model->disc.grid, options, model->disc.layout->dim));
+  MpmGridSetOrder(model->disc.grid, MpmShapeOrder(model->scene.shape.type));
   model->disc.grid->axial = (PetscBool)(model->scene.deformation.kinematics == MPM_AXISYMMETRY);
   MpmCheckInput(!model->disc.grid->axial || model->disc.grid->lower[0] >= 0. || MpmOptionsHelp(),
                 "-mpm_grid_lower: x starts at %g, with -mpm_kinematics axisymmetric it is the radius and must be >= 0",
@@ -480,6 +477,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(MpmRunoutRead(model, options));
   PetscCall(MpmDynamicsRead(model, options));
   PetscCall(MpmStabilizationSettle(model));
+  PetscCall(MpmShapeCheck(model));
   PetscCall(ReadOutput(model, options));
   PetscCall(MpmCheckpointSetFromOptions(model, options));
   model->solver.multigrid.levels.shape = model->scene.shape.type;
@@ -509,6 +507,7 @@ static PetscErrorCode ReadScene(MpmModel model)
   } else PetscCall(ReadBodiesOnGrid(model, &options, dim, kind));
   PetscCall(PetscFree(kind));
   PetscCall(MpmEnsembleRead(model));
+  PetscCall(MpmModelWarnFewPoints(model));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsCheckUnknown(&options, &warning));
   if (model->caller.terminal) PetscCall(MpmForeignOptionsCheckNames(model->record));

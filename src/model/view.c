@@ -29,7 +29,7 @@ static PetscErrorCode ViewScene(const MpmModel model, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPrintf(viewer, "Model: %s\n", scene->name.title ? scene->name.title : "without a title"));
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "physics %s, %s, shape %s, integrator %s\n", scene->physics.name,
-                                   MpmKindText(model), MpmShapeTypes[scene->shape.type],
+                                   MpmKindText(model), MpmShapeName(scene->shape.type),
                                    model->state.scheme.integrator->name));
   PetscCall(PetscViewerASCIIPrintf(viewer, "unknowns of a node:"));
   PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));

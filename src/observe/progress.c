@@ -123,7 +123,7 @@ PetscErrorCode MpmTerminalBegin(MpmModel model, const char *what)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscPrintf(model->comm, "  %s, %s, shape %s%s, Jacobian %s, solver %s%s%s%s, %d rank%s\n",
-                        model->scene.physics.name, MpmKindText(model), MpmShapeTypes[model->scene.shape.type],
+                        model->scene.physics.name, MpmKindText(model), MpmShapeName(model->scene.shape.type),
                         model->scene.shape.edge == MPM_EDGE_OPEN ? " with not-a-knot ends" : "",
                         MpmJacobianTypes[model->solver.jacobian.form], model->solver.preset.name,
                         model->solver.preset.why ? " (" : "", model->solver.preset.why ? model->solver.preset.why : "",

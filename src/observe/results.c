@@ -127,7 +127,7 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
                             .dim                      = model->disc.dim,
                             .scene.title              = model->scene.name.title,
                             .scene.physics            = model->scene.physics.name,
-                            .scene.shape              = MpmShapeTypes[model->scene.shape.type],
+                            .scene.shape              = MpmShapeName(model->scene.shape.type),
                             .solution.jacobian        = MpmJacobianTypes[model->solver.jacobian.form],
                             .solution.solver          = model->solver.preset.name,
                             .points                   = model->state.particles->total,

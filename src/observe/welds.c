@@ -75,7 +75,7 @@ static PetscErrorCode PrintWidths(MpmModel model, const PetscBool welded[])
 {
   const MpmBodyMotions *motions = model->scene.motions;
   const PetscInt        n = model->scene.bodies->count, dim = model->disc.dim;
-  const PetscReal       cells = MpmShapeDegree(model->scene.shape.type) > 1 ? 1.5 : 0.5;
+  const PetscReal       cells = MpmShapeIsSpline(model->scene.shape.type) ? 1.5 : 0.5;
   PetscReal             h     = 0.;
 
   PetscFunctionBeginUser;

@@ -266,7 +266,7 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
   MpmCheckInput(!model->scene.stabilization.fbar_spread || MpmShapeHasDomain(model->scene.shape.type),
                 "-mpm_stabilization_fbar spread: must be auto, true, false or plain with -mpm_shape %s, whose points "
                 "have no domains",
-                MpmShapeTypes[model->scene.shape.type]);
+                MpmShapeName(model->scene.shape.type));
   if (!model->scene.stabilization.fbar) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmPhysicsCreate(physics.fbar, &model->scene.physics, &found));
   PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics %s is not compiled in", physics.fbar);
@@ -290,14 +290,16 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
 
   PetscFunctionBeginUser;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
-    sparse = (PetscBool)(sparse || model->scene.materials->at[m].spacing >= 1.);
+    sparse =
+      (PetscBool)(sparse || MpmShapeSpacing(model->scene.shape.type, model->scene.materials->at[m].spacing) >= 1.);
   if (model->scene.stabilization.filled > 0. && MpmStagesSolve(model))
     PetscCall(PetscSNPrintf(cuts, sizeof(cuts), "aggregation of cells filled below %g",
                             (double)model->scene.stabilization.filled));
   if (model->disc.matrix.ghost > 0. && MpmStagesSolve(model))
     PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "; ghost penalty %g", (double)model->disc.matrix.ghost));
   else if (sparse && model->scene.stabilization.ghost_auto && MpmStagesSolve(model))
-    PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "; ghost penalty %g (auto: one point a cell)", MPM_GHOST_SPARSE));
+    PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "; ghost penalty %g (auto: %s)", MPM_GHOST_SPARSE,
+                            MpmShapeOrder(model->scene.shape.type) > 1 ? "few points a cell" : "one point a cell"));
   if (model->scene.stabilization.interior > 0. && MpmStagesSolve(model))
     PetscCall(
       PetscSNPrintf(interior, sizeof(interior), "; interior penalty %g", (double)model->scene.stabilization.interior));

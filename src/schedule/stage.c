@@ -200,8 +200,9 @@ static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
     if (stage->bcs[b] && !bc->active) bc->start = model->state.period.start;
     bc->active = stage->bcs[b];
     if (!bc->active) continue;
-    PetscCall(MpmConditionGetWalls(&model->scene.bcs->at[b], model->disc.grid, MpmShapeDegree(model->scene.shape.type),
-                                   &walls, &model->state.acting.walls.at[model->state.acting.walls.count]));
+    PetscCall(MpmConditionGetWalls(&model->scene.bcs->at[b], model->disc.grid,
+                                   MpmShapeIsSpline(model->scene.shape.type), &walls,
+                                   &model->state.acting.walls.at[model->state.acting.walls.count]));
     model->state.acting.walls.count += walls;
   }
   for (PetscInt m = 0; m < model->scene.motions->count; m++) {

@@ -36,6 +36,7 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscCall(PetscFree(space->order));
   PetscCall(PetscFree(space->groups));
   PetscCall(PetscFree(space->boxes.faces.face));
+  PetscCall(PetscFree(space->boxes.faces.matrix));
   PetscCall(PetscFree(space->cells.at));
   PetscCall(PetscFree(space->cells.share));
   PetscCall(SpreadDestroy(&space->cells.spread));
@@ -110,7 +111,8 @@ MPM_INLINE PetscErrorCode MakeKeys(const PetscInt dim, const MpmSpace *space, co
 
     if (cells) MpmGridFindCell(rules->grid, &points->x[p * dim], home);
     for (PetscInt a = dim - 1; a >= 0; a--) {
-      const PetscInt k = p * dim + a, first = boxes->first[k], place = cells ? home[a] : first;
+      const PetscInt k = p * dim + a, first = boxes->first[k];
+      const PetscInt place = cells ? home[a] * rules->grid->order : first;
 
       cell  = cell * (upper[a] - lower[a] + 1) + place - lower[a];
       shape = shape * width + boxes->count[k] - 1;

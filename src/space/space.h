@@ -48,8 +48,9 @@ typedef struct {
 
 /* Faces of the ghost penalty: groups without points, behind the others. */
 typedef struct {
-  PetscInt begin, count; /* into groups */
-  MpmFace *face;         /* details are private to the ghost penalty */
+  PetscInt   begin, count; /* into groups */
+  MpmFace   *face;         /* details are private to the ghost penalty */
+  PetscReal *matrix;       /* room for theirs */
 } MpmFaces;
 
 /*
@@ -78,15 +79,15 @@ typedef struct {
 } MpmExtraNodes;
 
 /*
-  Parts of the material have nodes of their own, also where they stand at one place: nodes, boxes and knot spans of part
-  k have lattice indices that are k strides higher on the last axis. MpmSpaceAt() subtracts that. Between the parts'
-  lattices lie so many indices, half of which count to each.
+  Parts of the material have nodes of their own, also where they stand at one place: nodes and boxes of part k have
+  lattice indices that are k strides higher on the last axis, and knot spans k strides of theirs. MpmSpaceAt() subtracts
+  that. Between the parts' lattices lie so many indices, half of which count to each.
 */
 typedef struct {
   PetscInt box[2]; /* whose nodes are coupled, beside those of each box with one another */
 } MpmCouple;
 typedef struct {
-  PetscInt   count, stride; /* 0: there is one part */
+  PetscInt   count, stride, spans; /* strides of nodes and of knot spans; 0: there is one part */
   PetscInt   couple_count, couple_capacity;
   MpmCouple *couple;
 } MpmParts;
@@ -191,17 +192,27 @@ static inline PetscBool MpmSpaceIsExtra(const MpmSpace *space, PetscInt node)
 }
 /* Couples all nodes of two of this rank's boxes: the sparsity has room for that. To be called like MpmSpaceLink(). */
 PetscErrorCode MpmSpaceCouple(MpmSpace *space, PetscInt one, PetscInt other);
-/* Offset of the last axis' indices of the nodes and the cell of point p; `part`: the points' field. */
+/* Offset of the last axis' indices of the nodes of point p; `part`: the points' field. */
 static inline PetscInt MpmSpaceShift(const MpmSpace *space, const PetscInt part[], PetscInt p)
 {
   return space->parts.stride ? space->parts.stride * part[p] : 0;
 }
-/* The part that a node, box or piece with these lattice indices belongs to. */
+/* The part that a node or box with these lattice indices belongs to. */
 static inline PetscInt MpmSpacePart(const MpmSpace *space, const PetscInt node[])
 {
   return space->parts.stride ? (node[space->dim - 1] + MPM_PART_GAP / 2) / space->parts.stride : 0;
 }
-/* Where it stands on the grid: the grid's own indices, 0 on unused axes. */
+/* The part of a knot span, and where one stands among the spans of the grid. */
+static inline PetscInt MpmSpaceSpanPart(const MpmSpace *space, const PetscInt span[])
+{
+  return space->parts.stride ? (span[space->dim - 1] + MPM_PART_GAP / 2) / space->parts.spans : 0;
+}
+static inline void MpmSpaceSpanAt(const MpmSpace *space, const PetscInt span[], PetscInt at[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) at[a] = a < space->dim ? span[a] : 0;
+  at[space->dim - 1] -= space->parts.spans * MpmSpaceSpanPart(space, span);
+}
+/* Where a node or box stands on the grid: the grid's own indices, 0 on unused axes. */
 static inline void MpmSpaceAt(const MpmSpace *space, const PetscInt node[], PetscInt at[])
 {
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) at[a] = a < space->dim ? node[a] : 0;

@@ -344,7 +344,8 @@ PetscErrorCode MpmSpaceEvaluateShapes(MpmSpace *space, const MpmRules *rules, co
   space->point_count  = points->count;
   space->shapes.count = rules->layout->shape_count;
   space->parts.count  = PetscMax(rules->parts, 1);
-  space->parts.stride = rules->parts > 1 ? rules->grid->nodes[dim - 1] + MPM_PART_GAP : 0;
+  space->parts.spans  = rules->parts > 1 ? rules->grid->cells[dim - 1] + 1 + MPM_PART_GAP : 0;
+  space->parts.stride = rules->grid->order * space->parts.spans;
   if (MpmShapeHasDomain(rules->shape)) {
     PetscCall(PetscMalloc1((points->count * dim), &space->shapes.half));
     HalfLengths(rules, points, space->shapes.half, &longest);

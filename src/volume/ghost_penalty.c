@@ -30,6 +30,8 @@
   every face with a factor of its own (MpmRules): the shorter a band, the stronger its effect, and it fades with h as
   the above does.
 
+  Elements of order p, whose derivatives of all degrees jump, have the sum of such energies over them (ghost_faces.c).
+
   A face is a group of nodes without points: numbering and sparsity treat it like one.
 
   Sources: Burman (2010), doi:10.1016/j.crma.2010.10.006; for the material point method Coombs (2023),
@@ -212,12 +214,15 @@ static PetscErrorCode AddElements(const MpmSum *sum, MpmPattern *pattern)
 {
   const MpmSpace *space = sum->space;
   const PetscInt  bs = sum->block, dim = space->dim, components = Components(sum);
+  PetscInt        most = 0;
   PetscReal      *matrix, *element;
 
   PetscFunctionBeginUser;
   if (!space->boxes.faces.count) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((MPM_FACE_NODES * MPM_FACE_NODES), &matrix));
-  PetscCall(PetscMalloc1((MPM_FACE_NODES * MPM_FACE_NODES * bs * bs), &element));
+  for (PetscInt f = 0; f < space->boxes.faces.count; f++)
+    most = PetscMax(most, space->groups[space->boxes.faces.begin + f].node_count);
+  PetscCall(PetscMalloc1((most * most), &matrix));
+  PetscCall(PetscMalloc1((most * most * bs * bs), &element));
   for (PetscInt f = 0; f < space->boxes.faces.count; f++) {
     const MpmFace  *face  = &space->boxes.faces.face[f];
     const PetscInt  n     = FaceMatrix(sum, f, matrix);

@@ -54,14 +54,14 @@ PetscInt MpmMaterialPieceMark(const MpmMaterialPieces *map, const PetscInt cell[
 /* Beyond a wall there is as little as beyond the grid's edge: a neighbour there makes no edge of the material. */
 PetscBool MpmMaterialPieceIsEdge(const MpmMaterialPieces *map, const MpmRules *rules, const PetscInt cell[])
 {
-  const PetscInt more              = map->degree % 2 ? 0 : 1;
+  const PetscInt more              = MpmKnotsBetween(map->knots) ? 1 : 0;
   PetscInt       next[MPM_MAX_DIM] = {cell[0], cell[1], cell[2]}, lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
   for (PetscInt a = 0; a < map->dim; a++) {
     for (PetscInt side = -1; side <= 1; side += 2) {
       next[a] = cell[a] + side;
       if (MpmMaterialPieceMark(map, next)) continue;
-      MpmPieceEdges(map->space, rules, map->degree, cell, lower, upper);
+      MpmPieceEdges(map->space, rules, map->knots, cell, lower, upper);
       if (next[a] >= lower[a] && next[a] < upper[a] + more) return PETSC_TRUE;
     }
     next[a] = cell[a];
@@ -94,21 +94,22 @@ static PetscBool IsSparse(const MpmRules *rules, const MpmPoints *points, PetscI
 {
   const PetscInt     dim      = rules->grid->dim;
   const MpmMaterial *material = &rules->materials[points->material[p]];
+  const PetscReal    spacing  = MpmShapeSpacing(rules->shape, material->spacing);
   PetscReal          U[MPM_MAX_DIM], most = 0.;
 
-  if (material->spacing >= 1.) return PETSC_TRUE;
-  if (material->spacing < MPM_SPARSE_LEAST || material->state_size || rules->stretch(MpmPointF(points, p), U))
-    return PETSC_FALSE;
+  if (spacing >= 1.) return PETSC_TRUE;
+  if (spacing < MPM_SPARSE_LEAST || material->state_size || rules->stretch(MpmPointF(points, p), U)) return PETSC_FALSE;
   for (PetscInt a = 0; a < dim; a++) most = PetscMax(most, U[a]);
-  return (PetscBool)(material->spacing * most > SPARSE_SPACING);
+  return (PetscBool)(spacing * most > SPARSE_SPACING);
 }
 
 /* The spans that a group's points may touch: those whose nodes are all in its box, less those removed by an edge. */
 static void GroupPieces(const MpmSpace *space, const MpmGroup *group, const MpmRules *rules, const MpmPoints *points,
                         PetscInt lower[], PetscInt count[])
 {
-  const PetscInt p = MpmShapeDegree(rules->shape), one = space->order[group->point_begin] * space->dim;
-  const PetscInt shift             = MpmSpaceShift(space, points->domain.part, space->order[group->point_begin]);
+  const MpmKnots knots = {MpmShapeDegree(rules->shape), MpmShapeOrder(rules->shape)};
+  const PetscInt p = knots.degree, one = space->order[group->point_begin] * space->dim;
+  const PetscInt shift             = space->parts.spans * group->part;
   PetscInt       edge[MPM_MAX_DIM] = {0}, far_edge[MPM_MAX_DIM] = {0};
 
   MpmSpaceEdges(rules, &points->x[one], edge, far_edge);
@@ -117,10 +118,14 @@ static void GroupPieces(const MpmSpace *space, const MpmGroup *group, const MpmR
     count[a] = 1;
     if (a >= rules->grid->dim) continue;
     const PetscInt first = space->touched.first[one + a], last = first + space->touched.count[one + a] - 1;
-    PetscInt       begin = first - MpmPieceFirstNode(p), end = last - p - MpmPieceFirstNode(p);
+    PetscInt       begin = first + p / 2, end = last - p + p / 2;
 
     if (first == edge[a]) begin = first;
     if (last == far_edge[a]) end = last - p % 2;
+    if (knots.order > 1) {
+      begin = MpmPieceOfNode(knots, first);
+      end   = MpmPieceOfNode(knots, last) - 1;
+    }
     lower[a] = PetscMin(begin, end);
     count[a] = PetscMax(end - lower[a] + 1, 1);
   }
@@ -134,9 +139,9 @@ static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules
   PetscInt upper[MPM_MAX_DIM] = {0, 0, 0}, lower[MPM_MAX_DIM], count[MPM_MAX_DIM], cell[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
-  map->space  = space;
-  map->dim    = space->dim;
-  map->degree = MpmShapeDegree(rules->shape);
+  map->space = space;
+  map->dim   = space->dim;
+  map->knots = (MpmKnots){MpmShapeDegree(rules->shape), MpmShapeOrder(rules->shape)};
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) map->lower[a] = PETSC_INT_MAX;
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
@@ -174,7 +179,7 @@ static PetscInt RanksAround(const MpmSpace *space, const MpmGrid *grid, const Pe
 {
   PetscInt at[MPM_MAX_DIM], lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
 
-  MpmSpaceAt(space, cell, at);
+  MpmSpaceSpanAt(space, cell, at);
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     lower[a] = at[a] - 2;
     upper[a] = at[a] + 2;
@@ -322,7 +327,7 @@ PetscInt MpmMaterialPiecesOwned(const MpmMaterialPieces *map, const MpmGrid *gri
     for (PetscInt i = layer * each; map->used[layer] && i < (layer + 1) * each; i++) {
       if (!map->mark[i]) continue;
       MpmMaterialPieceAt(map, i, cell);
-      MpmSpaceAt(map->space, cell, at);
+      MpmSpaceSpanAt(map->space, cell, at);
       if (MpmGridCellOwner(grid, at) == grid->rank) pieces[count++] = i;
     }
   }

@@ -5,6 +5,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
+#include "extension/pieces.h"
 
 /* Smallest spacing of a material's points, in cells, at which stretch may make them sparse. */
 #define MPM_SPARSE_LEAST 0.3
@@ -15,7 +16,8 @@
 */
 typedef struct {
   const MpmSpace *space;
-  PetscInt        dim, degree, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];
+  MpmKnots        knots;
+  PetscInt        dim, lower[MPM_MAX_DIM], size[MPM_MAX_DIM];
   PetscInt       *mark;
   PetscBool      *used; /* layers; marks of others are not set */
 } MpmMaterialPieces;
