@@ -35,7 +35,7 @@ typedef struct {
 
 /*
   Sums over points at a node: of volume, of it times surface and bed, both above the bed at the node, and times half a
-  point's width; of area; of mass, and of it times the bed's slope.
+  point's width; of area; of mass, and of it times the bed's slope. Four at a time are a vector in bed_force.c.
 */
 enum {
   MPM_BED_VOLUME,
