@@ -477,13 +477,13 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(MpmRunoutRead(model, options));
   PetscCall(MpmDynamicsRead(model, options));
   PetscCall(MpmStabilizationSettle(model));
-  PetscCall(MpmShapeCheck(model));
   PetscCall(ReadOutput(model, options));
   PetscCall(MpmCheckpointSetFromOptions(model, options));
   model->solver.multigrid.levels.shape = model->scene.shape.type;
   model->solver.multigrid.levels.edge  = model->scene.shape.edge;
   PetscCall(MpmSolverSetFromOptions(&model->solver, options));
   PetscCall(MpmGradientRead(model, options, NULL));
+  PetscCall(MpmShapeCheck(model));
   PetscCall(AddRows(model));
   PetscCall(MpmOptionsHas(options, "dim", &particular));
   if (MpmOptionsHelp() && !particular) PetscCall(MpmLaboratoryPrintHelp(model, options));

@@ -20,8 +20,8 @@ void           MpmSurfacesSetBodies(MpmModel model);
 PetscErrorCode MpmSurfacesAdd(MpmModel model);
 /* Lines on faces of surfaces on all sides that are left out in the stage that begins. Collective. */
 PetscErrorCode MpmSurfacesTellHeld(MpmModel model);
-/* The shape and the order of its elements, before the grid; and what it must not be combined with, once stages and
-   stabilization are read (shape_read.c). */
+/* The shape and the order of its elements, before the grid; and what it must not be combined with, once all else is
+   read (shape_read.c). */
 PetscErrorCode MpmShapeRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmShapeCheck(const MpmModel model);
 /*

@@ -1,0 +1,40 @@
+#!/usr/bin/env python3
+"""Elements: order 1 is linear and gimp, orders 2 and 3 of a cantilever agree on ranks and between forms of the Jacobian.
+
+Quick.
+"""
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import Test, difference, example  # noqa: E402
+
+COARSE = {"mpm_output_every": 1000, "mpm_quiet": None, "mpm_grid_cells": "30,30", "mpm_time_step": 0.5,
+          "mpm_time_end": 0.5, "snes_rtol": 1e-11}
+REFUSED = {"zero": ({"mpm_order": 0}, "-mpm_order 0: must lie in [1, 4]"),
+           "five": ({"mpm_order": 5}, "-mpm_order 5: must lie in [1, 4]"),
+           "spline": ({"mpm_shape": "bspline2", "mpm_order": 2}, "only with element or gimp_element"),
+           "inertia": ({"mpm_time_integrator": "generalized_alpha"}, "not available with inertia"),
+           "hmg": ({"mpm_solver": "hmg"}, "-mpm_solver hmg: not available")}
+
+
+def same(test, name, one, other, bound):
+    for field in ("displacement", "stress"):
+        test.check(f"{name}.{field}", difference(one.table(field), other.table(field)), None, bound)
+
+
+with Test() as test:
+    scene = example("cantilever")
+    for word, shape in (("element", "linear"), ("gimp_element", "gimp")):
+        same(test, word, test.run(scene, mpm_shape=shape, **COARSE),
+             test.run(scene, mpm_shape=word, mpm_order=1, **COARSE), 1e-12)
+    for order in (2, 3):
+        options = {**COARSE, "mpm_shape": "gimp_element", "mpm_order": order}
+        alone = test.run(scene, **options)
+        # the tip of a much finer cantilever at half of the load: 7.1 m
+        test.check(f"order{order}.tip", alone.results.column("track_tip_uy")[-1], -7.3, -6.9)
+        same(test, f"order{order}.ranks", alone, test.run(scene, ranks=3, **options), 1e-9)
+        same(test, f"order{order}.coloring", alone, test.run(scene, mpm_jacobian="coloring", **options), 1e-9)
+    for name, (options, text) in REFUSED.items():
+        run = test.run(scene, status=2, **{"mpm_shape": "element", **options})
+        test.check(f"{name}.line", text in run.errors, True, True)
