@@ -11,25 +11,30 @@
     V_0 (g' psi+ + G_c w'/(c_w l))                      conjugate to d
     V_0 2 G_c l/c_w F_n F_n^T grad d                    conjugate to grad d by the position at the step's start
 
-  `regularisation`: at1, w = d, c_w = 8/3, sound below a stress; at2, w = d^2, c_w = 2. `split`: what compresses the
-  volume, J < 1, is psi- and does no damage (volumetric), or psi- = 0 (none). The energy of a law with history is its
-  elastic one.
+  `regularisation`: at1, w = d, c_w = 8/3, sound below a stress; at2, w = d^2, c_w = 2. `split`: the energy of a volume
+  that shrinks, J < 1, is psi- and does no damage (volumetric); psi- = 0 (none); or, with the principal elastic strains
+  e_a of a law that is linear in small or logarithmic strain,
+
+    psi+ = lambda/2 <tr e>^2 + mu sum_a <e_a>^2 ,   <x> = max(x, 0)    (spectral)
+
+  The energy of a law with history is its elastic one.
 
   Damage does not heal, and is at most 1. With `irreversible: bounds` d at a point stays at least d_n there: a spring of
   stiffness G_c/(c_w l)/tolerance, which leaves gaps of the order of the tolerance. With `history` psi+ in
   the second equation is the largest that the point has had; d is then bounded by 0 and 1 alone.
 
   Sources: Bourdin, Francfort and Marigo (2000), doi:10.1016/S0022-5096(99)00028-9 (the energy); Pham and others (2011),
-  doi:10.1177/1056789510386852 (AT1, AT2); Amor, Marigo and Maurini (2009), doi:10.1016/j.jmps.2009.04.011 (the split);
-  Miehe, Hofacker and Welschinger (2010), doi:10.1016/j.cma.2010.04.011 (history); Gerasimov and De Lorenzis (2019),
-  doi:10.1016/j.cma.2019.05.038 (bounds by a penalty).
+  doi:10.1177/1056789510386852 (AT1, AT2); Amor, Marigo and Maurini (2009), doi:10.1016/j.jmps.2009.04.011 (volumetric
+  split); Miehe, Welschinger and Hofacker (2010), doi:10.1002/nme.2861 (spectral split); Miehe, Hofacker and Welschinger
+  (2010), doi:10.1016/j.cma.2010.04.011 (history); Gerasimov and De Lorenzis (2019), doi:10.1016/j.cma.2019.05.038
+  (bounds by a penalty).
 */
 #include "solid.h"
 
 /* Places among the physics' values: those of the material, then those of the scene. */
 enum { TOUGHNESS, LENGTH, RESIDUAL, REGULARISATION, SPLIT, SCHEME, IRREVERSIBLE, TOLERANCE, SCALE };
 enum { AT1, AT2 };
-enum { VOLUMETRIC, NONE };
+enum { VOLUMETRIC, NONE, SPECTRAL };
 enum { MONOLITHIC, STAGGERED };
 enum { BOUNDS, HISTORY };
 
@@ -68,6 +73,27 @@ MPM_FN int DivideEnergy(const MpmKernelPoint *point, const Tensor *dF, Scalar J,
   return 0;
 }
 
+/* By the principal strains, from the stress of an elasticity with these moduli. */
+MPM_FN int DivideSpectral(double mu, double bulk, Parts *parts)
+{
+  const Sym    dev = SymDev(&parts->tau), shear = SymScaleBy(0.5 / mu, &dev);
+  Scalar       trace  = ScalarScale(1. / (3. * bulk), SymTrace(&parts->tau));
+  const Sym    strain = SymShift(&shear, ScalarScale(1. / 3., trace));
+  Sym          positive;
+  SymPrincipal principal;
+  Dual         e[3];
+
+  if (SymPrincipalCreate(&strain, &principal)) return 1;
+  for (int a = 0; a < 3; a++) e[a] = principal.value[a] > 0. ? DualSeed(principal.value[a], a) : DualConstant(0.);
+  positive = SymIsotropic(&strain, &principal, e);
+  if (!(ScalarValue(trace) > 0.)) trace = ScalarConstant(0.);
+  parts->plus  = SymScaleBy(2. * mu, &positive);
+  parts->plus  = SymShift(&parts->plus, ScalarScale(bulk - 2. / 3. * mu, trace));
+  parts->drive = ScalarScale(0.5 * (bulk - 2. / 3. * mu), ScalarSquare(trace));
+  parts->drive = ScalarAdd(parts->drive, ScalarScale(mu, SymDot(&positive, &positive)));
+  return 0;
+}
+
 /* The energy of other laws follows from the stress, by the moduli at the step's start. */
 MPM_FN int DivideStress(const MpmKernelPoint *point, int shrinks, Parts *parts)
 {
@@ -79,6 +105,7 @@ MPM_FN int DivideStress(const MpmKernelPoint *point, int shrinks, Parts *parts)
   const Scalar mean = ScalarScale(1. / 3., SymTrace(&parts->tau));
 
   if (!(mu > 0. && bulk > 0.)) return 1;
+  if ((int)point->physics_parameter[SPLIT] == SPECTRAL) return DivideSpectral(mu, bulk, parts);
   parts->drive = ScalarScale(0.25 / mu, SymDot(&dev, &dev));
   parts->plus  = shrinks ? dev : parts->tau;
   if (!shrinks) parts->drive = ScalarAdd(parts->drive, ScalarScale(0.5 / bulk, ScalarSquare(mean)));
@@ -252,7 +279,8 @@ static const MpmParameter parameters[] = {
   {MPM_WORD, "regularisation", "-", AT2, 0, 0., 0., 0,
    "sound below a stress, or damage from the first load on", "at1|at2", 0., NULL},
   {MPM_WORD, "split", "-", VOLUMETRIC, 0, 0., 0., 0,
-   "energy that does no damage: of compressed volume, or none", "volumetric|none", 0., NULL},
+   "energy that does no damage: of compressed volume, none, or that of shortening along principal directions",
+   "volumetric|none|spectral", 0., NULL},
 };
 static const MpmCommonParameter common[] = {
   {"damage", {MPM_WORD, "scheme", "-", MONOLITHIC, 0, 0., 0., 0, "both fields at once, or in turn",
@@ -270,6 +298,8 @@ static const MpmStateVariable states[] = {{"history", MPM_STATE_SCALAR, 0., "J/m
 static const char *DamagePrepare(const MpmPhysicsMaterial *material, double gravity, double *value)
 {
   (void)gravity;
+  if ((int)value[SPLIT] == SPECTRAL && (material->info->energy || !(material->info->traits & MPM_LAW_FIXED_MODULI)))
+    return "split: the law is not linear in small or logarithmic strain, must be volumetric or none";
   if (material->info->energy && !material->info->volumetric && (int)value[SPLIT] == VOLUMETRIC)
     return "split: the law does not divide its energy by volume, must be none";
   if (!material->info->energy && !material->info->shear_modulus) return "toughness: the law has no elastic energy";

@@ -14,6 +14,8 @@
 #include "io/io.h"
 #include "grid/partition.h"
 #include "particles/particles.h"
+#include "volume/added_term.h"
+#include "volume/background.h"
 #include "query/model.h"
 #include "entrainment/entrainment.h"
 #include "runout/runout.h"
@@ -143,9 +145,9 @@ PetscErrorCode MpmCheckpointKeepOptions(MpmModel model, const MpmOptions *option
 
 /* Metadata, and the files' places. */
 typedef struct {
-  MpmTextFile scene, partition, results, index, grid_index, history, peaks, bed;
+  MpmTextFile scene, partition, results, index, grid_index, history, peaks, bed, backgrounds;
   PetscInt    count;
-  MpmBytes    bytes[8];
+  MpmBytes    bytes[9];
 } Beside;
 
 static PetscErrorCode AddBytes(MpmModel model, const char *name, const MpmTextFile *text, Beside *beside)
@@ -200,6 +202,10 @@ static PetscErrorCode BesideSetUp(MpmModel model, Beside *beside)
     PetscCall(MpmEntrainmentSave(model, &beside->bed));
     PetscCall(AddBytes(model, "bed", &beside->bed, beside));
   }
+  if (model->scene.terms->backgrounds) {
+    PetscCall(MpmBackgroundsSave(model->scene.terms->backgrounds, model->comm, &beside->backgrounds));
+    PetscCall(AddBytes(model, "backgrounds", &beside->backgrounds, beside));
+  }
   PetscCall(AddBytes(model, "scene", &beside->scene, beside));
   PetscCall(AddBytes(model, "partition", &beside->partition, beside));
   PetscCall(AddBytes(model, "history", &beside->history, beside));
@@ -216,6 +222,7 @@ static PetscErrorCode BesideDestroy(Beside *beside)
   PetscCall(MpmTextFileDestroy(&beside->partition));
   PetscCall(MpmTextFileDestroy(&beside->peaks));
   PetscCall(MpmTextFileDestroy(&beside->bed));
+  PetscCall(MpmTextFileDestroy(&beside->backgrounds));
   PetscCall(MpmTextFileDestroy(&beside->results));
   PetscCall(MpmTextFileDestroy(&beside->index));
   PetscCall(MpmTextFileDestroy(&beside->grid_index));

@@ -11,6 +11,8 @@
 #include "grid/partition.h"
 #include "particles/particles.h"
 #include "space/rules.h"
+#include "volume/added_term.h"
+#include "volume/background.h"
 #include "query/model.h"
 #include "step/moving_grid.h"
 #include "schedule/reduction.h"
@@ -89,6 +91,34 @@ static PetscErrorCode ReadBytes(MpmModel model, hid_t group, const char *name, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What parts of the model keep beside points and numbers. */
+static PetscErrorCode ReadParts(MpmModel model, hid_t group)
+{
+  PetscFunctionBeginUser;
+  if (MpmRunoutHasPeaks(model)) {
+    MpmTextFile peaks = MPM_TEXT_FILE_EMPTY;
+
+    PetscCall(ReadBytes(model, group, "peaks", PETSC_FALSE, &peaks));
+    PetscCall(MpmRunoutLoad(model, &peaks));
+    PetscCall(MpmTextFileDestroy(&peaks));
+  }
+  if (MpmEntrainmentHasChange(model)) {
+    MpmTextFile bed = MPM_TEXT_FILE_EMPTY;
+
+    PetscCall(ReadBytes(model, group, "bed", PETSC_FALSE, &bed));
+    PetscCall(MpmEntrainmentLoad(model, &bed));
+    PetscCall(MpmTextFileDestroy(&bed));
+  }
+  if (model->scene.terms->backgrounds) {
+    MpmTextFile bytes = MPM_TEXT_FILE_EMPTY;
+
+    PetscCall(ReadBytes(model, group, "backgrounds", PETSC_FALSE, &bytes));
+    PetscCall(MpmBackgroundsLoad(model->scene.terms->backgrounds, model->comm, &bytes));
+    PetscCall(MpmTextFileDestroy(&bytes));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* All but the points. */
 static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
 {
@@ -126,20 +156,7 @@ static PetscErrorCode ReadBeside(MpmModel model, MpmRestart restart)
   PetscCall(ReadBytes(model, group, "results", PETSC_FALSE, &restart->results));
   PetscCall(ReadBytes(model, group, "results_index", PETSC_FALSE, &restart->index));
   PetscCall(ReadBytes(model, group, "results_grid_index", PETSC_FALSE, &restart->grid_index));
-  if (MpmRunoutHasPeaks(model)) {
-    MpmTextFile peaks = MPM_TEXT_FILE_EMPTY;
-
-    PetscCall(ReadBytes(model, group, "peaks", PETSC_FALSE, &peaks));
-    PetscCall(MpmRunoutLoad(model, &peaks));
-    PetscCall(MpmTextFileDestroy(&peaks));
-  }
-  if (MpmEntrainmentHasChange(model)) {
-    MpmTextFile bed = MPM_TEXT_FILE_EMPTY;
-
-    PetscCall(ReadBytes(model, group, "bed", PETSC_FALSE, &bed));
-    PetscCall(MpmEntrainmentLoad(model, &bed));
-    PetscCall(MpmTextFileDestroy(&bed));
-  }
+  PetscCall(ReadParts(model, group));
   if (group >= 0) (void)H5Gclose(group);
   if (file >= 0) (void)H5Fclose(file);
   PetscFunctionReturn(PETSC_SUCCESS);

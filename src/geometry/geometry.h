@@ -1,6 +1,6 @@
 #pragma once
 /*
-  MpmRegion - a part of space, read from options: box, sphere, cylinder, polygon, layers of ground, outline
+  MpmRegion - a part of space, read from options: box, sphere, cylinder, polygon, layers of ground, outline, voxels
               (file regions of bodies are read by the bodies).
   MpmRamp   - a piecewise linear factor of time, read from "time:factor" pairs.
 */
@@ -16,6 +16,7 @@ typedef enum {
   MPM_REGION_LAYERS,
   MPM_REGION_OUTLINE,
   MPM_REGION_RASTER,
+  MPM_REGION_VOXELS,
   MPM_REGION_FILE, /* from here on the points of bodies come from files */
   MPM_REGION_COLUMNS,
   MPM_REGION_DEPTH,
@@ -39,6 +40,8 @@ MpmRegionType  MpmRegionGetType(MpmRegion region);
   Puts a layer beneath another one: its top is the lower end of the layer above, and where that one thins out, its top.
 */
 PetscErrorCode MpmRegionSetAbove(MpmRegion region, MpmRegion above);
+/* Lends the voxels of a region of type voxels, or NULL. */
+struct MpmVoxels *MpmRegionVoxels(MpmRegion region);
 /* Lends the outline of a region of type outline or raster, or NULL. */
 const struct MpmOutline *MpmRegionOutline(MpmRegion region);
 /* True where a layer has a lower end. */

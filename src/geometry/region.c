@@ -12,6 +12,7 @@
     layers    one layer of ground between the lines top and bottom (layers.c)
     outline   the polygons of a file (region_outline.c)
     raster    of bodies of depth-averaged flow: as outline, or what a map of depths covers
+    voxels    of bodies: a lattice with labels from a file (voxels.c)
 
   All of them are cut to the box from clip_lower to clip_upper, where these are given: an octant of a sphere.
 */
@@ -21,8 +22,8 @@
 #include <math.h>
 #include <stdio.h>
 
-static const char *const region_types[] = {"all",    "box",  "sphere",  "cylinder", "polygon",    "layers", "outline",
-                                           "raster", "file", "columns", "depth",    "hydrograph", NULL};
+static const char *const region_types[] = {"all",    "box",    "sphere", "cylinder", "polygon", "layers",     "outline",
+                                           "raster", "voxels", "file",   "columns",  "depth",   "hydrograph", NULL};
 
 static const char *Prefix(const MpmOptions *options)
 {
@@ -272,6 +273,13 @@ static PetscErrorCode ReadGeometry(const MpmOptions *options, MpmRegion region)
   case MPM_REGION_RASTER:
     PetscCall(MpmRegionOutlineRead(options, region));
     break;
+  case MPM_REGION_VOXELS:
+    PetscCall(MpmVoxelsRead(options, region->dim, &region->voxels));
+    for (PetscInt a = 0; a < region->dim; a++) {
+      region->lower[a] = region->voxels->lower[a] - region->tolerance[a];
+      region->upper[a] = region->voxels->upper[a] + region->tolerance[a];
+    }
+    break;
   case MPM_REGION_ALL:
     PetscCall(CheckNoGeometry(options));
     break;
@@ -345,6 +353,7 @@ PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm)
                {MPM_REGION_CYLINDER, 3, "Regions of type cylinder, in 3D"},
                {MPM_REGION_POLYGON, 3, "Regions of type polygon; in 3D, a prism along z"},
                {MPM_REGION_OUTLINE, 3, "Regions of type outline: polygons of a file; in 3D, prisms along z"},
+               {MPM_REGION_VOXELS, 3, "Regions of type voxels, of bodies: a lattice with labels"},
                {MPM_REGION_LAYERS, 3, "Regions of type layers; in 3D, a prism along z"}};
   const MpmOptions options = {comm, "mpm_BLOCK_", NULL};
 
@@ -356,6 +365,7 @@ PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm)
     Unbound(&region);
     PetscCall(ReadGeometry(&options, &region));
     PetscCall(ReadClip(&options, &region));
+    PetscCall(MpmVoxelsDestroy(&region.voxels));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -365,6 +375,7 @@ PetscErrorCode MpmRegionDestroy(MpmRegion *region)
   PetscFunctionBegin;
   if (!*region) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*region)->vertices));
+  PetscCall(MpmVoxelsDestroy(&(*region)->voxels));
   PetscCall(MpmOutlineDestroy(&(*region)->outline));
   PetscCall(MpmPolylineDestroy(&(*region)->layer.top));
   PetscCall(MpmPolylineDestroy(&(*region)->layer.bottom));
@@ -385,4 +396,9 @@ PetscErrorCode MpmRegionGetBounds(MpmRegion region, PetscReal lower[], PetscReal
     upper[a] = PetscMin(upper[a], region->upper[a]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+struct MpmVoxels *MpmRegionVoxels(MpmRegion region)
+{
+  return region->voxels;
 }

@@ -95,6 +95,8 @@ PetscBool MpmRegionContains(MpmRegion region, const PetscReal x[])
   case MPM_REGION_OUTLINE:
   case MPM_REGION_RASTER:
     return MpmRegionOutlineHolds(region, x);
+  case MPM_REGION_VOXELS:
+    return (PetscBool)(MpmVoxelsAt(region->voxels, x)->value >= 0);
   default:
     return PETSC_TRUE;
   }

@@ -3,6 +3,7 @@
   Shared by the files of the object: region.c, region_edge.c and layers.c.
 */
 #include "geometry/geometry.h"
+#include "voxels/voxels.h"
 #include "maps/polyline.h"
 #include "maps/outline.h"
 
@@ -20,6 +21,7 @@ struct _p_MpmRegion {
   PetscReal  radius, length;         /* length < 0: endless */
   PetscInt   vertex_count;
   PetscReal *vertices; /* in units of the tolerance, so that a distance up to 1 is on the edge */
+  MpmVoxels *voxels;   /* of type voxels */
   MpmOutline outline;  /* of type outline, and raster where it has a file */
   struct {
     MpmPolyline top, bottom; /* of a layer; the bottom is nowhere above the top */

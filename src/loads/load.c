@@ -4,6 +4,7 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
+#include "point/air.h"
 #include "point/layout.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
@@ -273,7 +274,7 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRule
       const PetscReal  amount =
         Sign(load, sum) * factor * (share ? share[p] : MpmPointMassStart(points, sum->materials, p));
 
-      if (amount == 0.) continue;
+      if (amount == 0. || (!share && MpmMaterialIsAir(&sum->materials[points->material[p]]))) continue;
       if (load->type == MPM_LOAD_TRACTION) PetscCall(MpmLoadFaceWeights(load, &at, weight));
       else if (MpmLoadActsAtEnds(load, rules)) PetscCall(MpmLoadEndWeights(load, &at, weight));
       else MpmSpaceEvaluate(space, group, p, &basis);

@@ -365,7 +365,7 @@ static PetscErrorCode CheckGrounds(MpmModel model)
   for (PetscInt m = 0; m < materials->count; m++) {
     if (!materials->at[m].varies) continue;
     for (PetscInt b = 0; b < bodies->count; b++) {
-      of[b] = (PetscBool)(MpmBodyMaterial(bodies->at[b]) == m);
+      of[b] = MpmBodyHasMaterial(bodies->at[b], m);
       for (PetscInt s = 0; s < model->scene.stages.count; s++)
         of[b] = (PetscBool)(of[b] || model->scene.stages.at[s].material[b] == m);
     }

@@ -5,6 +5,7 @@
 #include "options/record.h"
 #include "ground/ground.h"
 #include "point/layout.h"
+#include "point/air.h"
 #include "point/material.h"
 #include "point/registry.h"
 #include "grid/grid.h"
@@ -244,6 +245,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
                                   &model->scene.materials->at[m]));
     PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, model->disc.dim, model->scene.materials->grounds,
                                      &model->scene.materials->at[m]));
+    PetscCall(MpmMaterialReadAir(options, &model->scene.materials->at[m]));
     if (!(model->scene.materials->at[m].info.traits & MPM_LAW_SYMMETRIC))
       model->solver.definite.symmetric = PETSC_FALSE;
     stiffest = PetscMax(stiffest, model->scene.materials->at[m].moduli.stiffness);
@@ -262,9 +264,12 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
     PetscCall(MpmReadBodyFile(model, options, b));
     PetscCall(MpmBodyReadDepth(options, model->scene.bodies->names[b], model->disc.grid, model->scene.deformation.bed,
                                model->scene.shape.type, model->scene.shape.edge, model->scene.bodies->at[b]));
-    MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
+    for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+      MpmMaterial *material = &model->scene.materials->at[m];
 
-    material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies->at[b]));
+      if (MpmBodyHasMaterial(model->scene.bodies->at[b], m))
+        material->spacing = PetscMax(material->spacing, MpmBodySpacing(model->scene.bodies->at[b]));
+    }
   }
   PetscCall(MpmInflowRead(model));
   PetscCall(MpmContactsRead(model, (PetscBool)(MpmPressureComponent(model->disc.layout) >= 0), options));
@@ -476,6 +481,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(MpmEntrainmentRead(model, options));
   PetscCall(MpmRunoutRead(model, options));
   PetscCall(MpmDynamicsRead(model, options));
+  if (!MpmOptionsHelp()) PetscCall(MpmVoidsCheck(model));
   PetscCall(MpmStabilizationSettle(model));
   PetscCall(ReadOutput(model, options));
   PetscCall(MpmCheckpointSetFromOptions(model, options));

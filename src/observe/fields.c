@@ -3,6 +3,7 @@
 */
 #include <string.h>
 #include "options/options.h"
+#include "point/air.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "query/model.h"
@@ -125,6 +126,91 @@ static PetscErrorCode AddDataset(Source *source, MpmDataset *set)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A dataset without the rows of air. */
+typedef struct {
+  MpmDataset      whole;
+  PetscInt        count, kept; /* rows of both */
+  const PetscInt *row;         /* of each that is kept */
+  PetscInt       *integer;
+} Kept;
+
+static PetscErrorCode FillKept(const void *ctx, PetscReal values[])
+{
+  const Kept      *kept = (const Kept *)ctx;
+  const PetscInt   n    = kept->whole.components;
+  const PetscReal *from = kept->whole.real;
+  PetscReal       *made = NULL;
+
+  PetscFunctionBeginUser;
+  if (kept->whole.fill) {
+    PetscCall(PetscMalloc1((kept->count * n), &made));
+    PetscCall((*kept->whole.fill)(kept->whole.ctx, made));
+    from = made;
+  }
+  for (PetscInt k = 0; k < kept->kept; k++)
+    for (PetscInt c = 0; c < n; c++) values[k * n + c] = from[kept->row[k] * n + c];
+  PetscCall(PetscFree(made));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The rows that are not air, and the datasets with these alone; integers are copied. */
+static PetscErrorCode LeaveAir(const MpmModel model, const MpmPoints *points, PetscInt count, MpmDataset sets[],
+                               PetscInt *kept_count, PetscInt **rows, Kept **kept)
+{
+  PetscInt *row;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(points->count, &row));
+  PetscCall(PetscCalloc1(count, kept));
+  *kept_count = 0;
+  for (PetscInt p = 0; p < points->count; p++)
+    if (!MpmMaterialIsAir(&model->scene.materials->at[points->material[p]])) row[(*kept_count)++] = p;
+  for (PetscInt i = 0; i < count; i++) {
+    Kept          *one = &(*kept)[i];
+    const PetscInt n   = sets[i].components;
+
+    *one         = (Kept){sets[i], points->count, *kept_count, row, NULL};
+    sets[i].real = NULL;
+    if (sets[i].integer) {
+      PetscCall(PetscMalloc1((*kept_count * n), &one->integer));
+      for (PetscInt k = 0; k < *kept_count * n; k++) one->integer[k] = sets[i].integer[row[k / n] * n + k % n];
+      sets[i].integer = one->integer;
+      continue;
+    }
+    sets[i].fill = FillKept;
+    sets[i].ctx  = one;
+  }
+  *rows = row;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes the state, without points of air unless they are asked for. */
+static PetscErrorCode WriteRows(MpmModel model, const MpmPoints *points, PetscInt count, MpmDataset sets[])
+{
+  const MpmWrittenStates *states     = &model->results->states;
+  PetscBool               air        = PETSC_FALSE;
+  PetscInt                kept_count = 0, *rows = NULL, *id;
+  Kept                   *kept;
+
+  PetscFunctionBeginUser;
+  for (PetscInt m = 0; m < model->scene.materials->count && !states->air; m++)
+    air = (PetscBool)(air || MpmMaterialIsAir(&model->scene.materials->at[m]));
+  if (!air) {
+    PetscCall(
+      MpmOutputWrite(states->file, model->state.step, model->state.time, points->count, points->id, count, sets));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(LeaveAir(model, points, count, sets, &kept_count, &rows, &kept));
+  PetscCall(PetscMalloc1(kept_count, &id));
+  for (PetscInt k = 0; k < kept_count; k++) id[k] = points->id[rows[k]];
+  PetscCall(MpmOutputWrite(states->file, model->state.step, model->state.time, kept_count, id, count, sets));
+  for (PetscInt i = 0; i < count; i++) PetscCall(PetscFree(kept[i].integer));
+  PetscCall(PetscFree(kept));
+  PetscCall(PetscFree(rows));
+  PetscCall(PetscFree(id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmFieldsWrite(MpmModel model)
 {
   const MpmWrittenStates *states    = &model->results->states;
@@ -148,7 +234,7 @@ PetscErrorCode MpmFieldsWrite(MpmModel model)
     if (IsChosen(states, fields->at[i].name)) PetscCall(AddDataset(&sources[i], &sets[count++]));
   }
   PetscCall(MpmOutputSetBehind(states->file, model->state.scheme.behind));
-  PetscCall(MpmOutputWrite(states->file, model->state.step, model->state.time, points.count, points.id, count, sets));
+  PetscCall(WriteRows(model, &points, count, sets));
   for (PetscInt i = 0; i < fields->count; i++)
     if (sources[i].array) PetscCall(MpmParticlesRestoreField(particles, &sources[i].array));
   PetscCall(PetscFree(sources));

@@ -58,6 +58,7 @@ PetscErrorCode MpmOutputSetFromOptions(MpmModel model, const MpmOptions *block)
                            "write an XDMF index for each state too, PREFIX_000010.xdmf, for programs that read one "
                            "state a file",
                            &model->results->states.alone, NULL));
+  PetscCall(MpmOptionsBool(block, "air", "write the points of air, too", &model->results->states.air, NULL));
   PetscCall(MpmOptionsWord(block, "precision", "of the reals that are written", words, MPM_OPTIONAL, &precision, NULL));
   model->results->states.single = (PetscBool)(precision == 1);
   PetscCall(MpmOptionsNames(block, "fields",

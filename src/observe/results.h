@@ -92,6 +92,7 @@ typedef struct {
   char          **derived;
   MpmPointColumns fields; /* among which the scene chooses */
   MpmOutput       file;
+  PetscBool       air; /* points of air are written, too */
 } MpmWrittenStates;
 
 /* Rows of the library's caller. */

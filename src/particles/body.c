@@ -126,6 +126,8 @@ static PetscErrorCode ReadLattice(const MpmOptions *block, const MpmGrid *grid, 
                            edges, MPM_OPTIONAL, &edge, NULL));
   body->cut = (PetscBool)(edge == 1);
   PetscCall(ReadStress(block, grid->dim, body));
+  MpmCheckInput(!MpmRegionVoxels(body->region) || !(body->cut || body->start.stress) || MpmOptionsHelp(),
+                "-%s%s: not available with region voxels", block->prefix, body->cut ? "edge cut" : "initial_stress");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -141,14 +143,31 @@ static void SetLattice(const MpmGrid *grid, MpmBody body)
   }
 }
 
+static PetscErrorCode ReadMaterial(const MpmOptions *block, PetscInt material_count, const MpmMaterial materials[],
+                                   MpmBody body)
+{
+  const PetscBool labelled = (PetscBool)(MpmRegionGetType(body->region) == MPM_REGION_VOXELS && !MpmOptionsHelp());
+  const char    **names;
+
+  PetscFunctionBeginUser;
+  if (labelled) {
+    PetscCall(MpmBodyNameLabels(block, material_count, materials, body));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscCalloc1((material_count + 1), &names));
+  for (PetscInt m = 0; m < material_count; m++) names[m] = materials[m].name;
+  PetscCall(MpmOptionsWord(block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &body->material, NULL));
+  PetscCall(PetscFree(names));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBodyCreate(const MpmOptions *options, const MpmGrid *grid, PetscInt material_count,
                              const MpmMaterial materials[], MpmBodies *bodies, PetscInt b)
 {
-  char         prefix[256];
-  MpmOptions   block = {options->comm, prefix, options->record};
-  const char **names;
-  PetscReal    tolerance[MPM_MAX_DIM];
-  MpmBody      body;
+  char       prefix[256];
+  MpmOptions block = {options->comm, prefix, options->record};
+  PetscReal  tolerance[MPM_MAX_DIM];
+  MpmBody    body;
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&body));
@@ -163,11 +182,9 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const MpmGrid *grid, Pet
   PetscCall(MpmOptionsHeading(&block, "Body"));
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &body->region));
   PetscCall(ReadBelow(&block, bodies, b));
-  PetscCall(PetscCalloc1((material_count + 1), &names));
-  for (PetscInt m = 0; m < material_count; m++) names[m] = materials[m].name;
-  PetscCall(MpmOptionsWord(&block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &body->material, NULL));
-  PetscCall(PetscFree(names));
-  if (material_count) PetscCall(MpmBodyInitialCreate(&block, &materials[body->material], &body->initial));
+  PetscCall(ReadMaterial(&block, material_count, materials, body));
+  if (material_count && !MpmRegionVoxels(body->region))
+    PetscCall(MpmBodyInitialCreate(&block, &materials[body->material], &body->initial));
   PetscCall(ReadLattice(&block, grid, body));
   if (MpmRegionGetType(body->region) < MPM_REGION_FILE && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, body));
   SetLattice(grid, body);

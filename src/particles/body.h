@@ -102,6 +102,8 @@ PetscInt MpmBodyFillId(MpmBody body, const MpmPoints *points, PetscInt column, P
 MpmRegion MpmBodyRound(MpmBody body);
 /* Most cells from point to point on an axis; 0 for bodies from files. */
 PetscReal MpmBodySpacing(MpmBody body);
+/* Its material, of labelled voxels the first; and whether any of its points has one. */
 PetscInt  MpmBodyMaterial(MpmBody body);
+PetscBool MpmBodyHasMaterial(MpmBody body, PetscInt material);
 /* Which body each point belongs to; ids ascend from body to body. */
 void MpmBodiesOfPoints(PetscInt body_count, const MpmBody bodies[], const MpmPoints *points, PetscInt body_of[]);

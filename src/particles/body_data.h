@@ -55,6 +55,9 @@ struct _p_MpmBody {
   } beside;
 };
 
+/* Finds the materials of the labels of voxels; the body's own is the first (body_labels.c). */
+PetscErrorCode MpmBodyNameLabels(const MpmOptions *block, PetscInt material_count, const struct MpmMaterial *materials,
+                                 MpmBody body);
 /* True where a place lies in the body's region, and in that of no body that replaces it. */
 PetscBool MpmBodyOwns(MpmBody body, const PetscReal x[]);
 /* True where the place is on an edge shared with an earlier body that has a point there. */

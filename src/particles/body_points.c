@@ -2,6 +2,7 @@
   The points of bodies: their places in cells, initial stress and motion.
 */
 #include "geometry/geometry.h"
+#include "voxels/voxels.h"
 #include "point/material.h"
 #include "grid/grid.h"
 #include "handover/handover.h"
@@ -48,8 +49,9 @@ static void FillPoint(const MpmBody body, const MpmGrid *grid, const PetscInt at
   for (PetscInt a = 0; a < dim; a++) volume *= grid->h[a] / (PetscReal)body->cells.per_cell[a];
   if (body->cut) volume = MpmBodyCutBox(body, grid, at, x);
   if (body->depth) volume *= MpmBodyDepthAt(body->depth, grid, x, half);
-  points->material[p] = body->material;
-  points->volume0[p]  = volume * MpmTurn(points->F_size, x[0]);
+  points->material[p] =
+    MpmRegionVoxels(body->region) ? MpmVoxelsAt(MpmRegionVoxels(body->region), x)->value : body->material;
+  points->volume0[p] = volume * MpmTurn(points->F_size, x[0]);
   for (PetscInt a = 0; a < dim; a++) {
     points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] = x[a];
     if (points->domain.half_length)
@@ -126,7 +128,8 @@ static void FillAtRest(const MpmBody body, const MpmGrid *grid, const MpmMateria
       PetscReal *state = &points->state[p * particles->state_size];
 
       MpmMaterialStateAtRest(material, particles->dim, state);
-      MpmBodyInitialFill(body->initial, particles->dim, Height(body, &points->x[p * particles->dim]), state);
+      if (body->initial)
+        MpmBodyInitialFill(body->initial, particles->dim, Height(body, &points->x[p * particles->dim]), state);
       if (body->depth) state[0] = MpmBodyDepthAt(body->depth, grid, &points->x[p * grid->dim], half);
     }
     if (points->mass)
@@ -367,7 +370,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
     PetscCall(
       FillBody(bodies[b], grid, materials, particles, bodies[b]->ids.first + before[b] - count[b], &first, &points));
   for (PetscInt b = 0; b < body_count; b++) {
-    PetscCall(MpmBodyInitialCheck(bodies[b]->initial, grid->comm));
+    if (bodies[b]->initial) PetscCall(MpmBodyInitialCheck(bodies[b]->initial, grid->comm));
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bodies[b]->start.wrong, 1, MPI_INT, MPI_MAX, grid->comm));
     MpmCheckInput(!bodies[b]->start.wrong, "-mpm_body_%s_initial_stress: %s of material %s", bodies[b]->name,
                   bodies[b]->start.wrong == 1 ? "lies outside of the yield surface" : "is none that a state has",

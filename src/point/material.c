@@ -5,6 +5,7 @@
 #include "ground/ground.h"
 #include "point/basal_laws.h"
 #include "point/basal_map.h"
+#include "point/air.h"
 #include "point/material.h"
 #include "point/variation.h"
 #include "point/wave_speed.h"
@@ -569,4 +570,22 @@ void MpmStatesAtRest(size_t count, const MpmStateVariable variables[], PetscInt 
 void MpmMaterialStateAtRest(const MpmMaterial *material, PetscInt dim, PetscReal state[])
 {
   MpmStatesAtRest(material->info.state_count, material->info.states, dim, state);
+}
+
+PetscErrorCode MpmMaterialReadAir(const MpmOptions *options, MpmMaterial *material)
+{
+  MpmOptions block  = {options->comm, NULL, options->record};
+  char      *prefix = NULL;
+  PetscBool  air    = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmTextAppend(&prefix, "mpm_material_%s_", material->name));
+  block.prefix = prefix;
+  PetscCall(MpmOptionsBool(&block, "air",
+                           "a soft material in place of void: no load of gravity acts on it, and it is written with "
+                           "-mpm_output_air alone",
+                           &air, NULL));
+  if (air) material->info.traits |= MPM_MATERIAL_AIR;
+  PetscCall(PetscFree(prefix));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

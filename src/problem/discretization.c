@@ -13,6 +13,7 @@
 #include "points/point_terms.h"
 #include "terrain/bed_flow.h"
 #include "volume/added_term.h"
+#include "volume/background.h"
 #include "volume/damping.h"
 #include "volume/inertia.h"
 #include "volume/volume.h"
@@ -103,6 +104,7 @@ PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBo
 PetscErrorCode MpmDiscretizationAddTerms(MpmDiscretization *disc, MpmAddedTerms *added)
 {
   PetscFunctionBeginUser;
+  if (added->backgrounds) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBackground, added->backgrounds));
   for (PetscInt k = 0; k < added->count; k++) PetscCall(MpmTermsAdd(&disc->terms, &added->at[k].term, &added->at[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -24,6 +24,8 @@ PetscErrorCode MpmSurfacesTellHeld(MpmModel model);
    read (shape_read.c). */
 PetscErrorCode MpmShapeRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmShapeCheck(const MpmModel model);
+/* Refuses what air and backgrounds do not go with (voids_check.c). Once stages and contacts are read. */
+PetscErrorCode MpmVoidsCheck(const MpmModel model);
 /*
   Ghost penalty and F-bar (stabilization.c): Read takes the options, Settle makes the choice of `auto` once materials,
   bodies, conditions and stages are known.

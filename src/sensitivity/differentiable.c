@@ -152,6 +152,7 @@ static const char *FindPart(const MpmModel model)
          {"motions", (PetscBool)(scene->motions->count > 0)},
          {"surfaces with a shape without domains, in axial symmetry, or while bodies are taken away by a ramp",
           SurfacesAreOpen(model)},
+         {"backgrounds", (PetscBool)(scene->terms->backgrounds != NULL)},
          {"terms from plugins", (PetscBool)(scene->terms->count > 0)},
          {"conditions along a normal, and absorbing ones", AnyInclined(scene->bcs)},
          {"a body force of the caller", (PetscBool)(scene->body_force.function != NULL)},
@@ -246,7 +247,7 @@ PetscErrorCode MpmGradientCheckRun(const MpmModel model, MpmOutcome *outcome)
 static PetscBool IsUsed(const MpmScene *scene, PetscInt material)
 {
   for (PetscInt b = 0; b < scene->bodies->count; b++) {
-    if (MpmBodyMaterial(scene->bodies->at[b]) == material) return PETSC_TRUE;
+    if (MpmBodyHasMaterial(scene->bodies->at[b], material)) return PETSC_TRUE;
     for (PetscInt k = 0; k < scene->stages.count; k++)
       if (scene->stages.at[k].name && scene->stages.at[k].material[b] == material) return PETSC_TRUE;
   }

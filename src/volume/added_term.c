@@ -15,6 +15,7 @@
 #include "space/rules.h"
 #include "assembly/sparsity.h"
 #include "volume/added_term.h"
+#include "volume/background.h"
 
 /* ---- sums over the elements ---- */
 
@@ -261,6 +262,7 @@ static PetscErrorCode TermRead(const MpmOptions *options, const char name[], con
 PetscErrorCode MpmAddedTermsRead(const MpmOptions *options, const MpmGrid *grid, MpmAddedTerms *added)
 {
   PetscFunctionBeginUser;
+  PetscCall(MpmBackgroundsRead(options, grid, &added->backgrounds));
   PetscCall(MpmOptionsBlocks(options, "terms", "names of the terms of types that a plugin or the caller brings",
                              MPM_OPTIONAL, &added->count, &added->names));
   PetscCall(PetscCalloc1(added->count, &added->at));
@@ -271,6 +273,7 @@ PetscErrorCode MpmAddedTermsRead(const MpmOptions *options, const MpmGrid *grid,
 PetscErrorCode MpmAddedTermsDestroy(MpmAddedTerms *added)
 {
   PetscFunctionBeginUser;
+  PetscCall(MpmBackgroundsDestroy(&added->backgrounds));
   for (PetscInt k = 0; added->at && k < added->count; k++) {
     MpmAddedTerm *one = &added->at[k];
 

@@ -21,9 +21,10 @@ typedef struct {
 
 /* The added terms of a scene, with the names of their blocks. */
 struct MpmAddedTerms {
-  PetscInt      count;
-  char        **names;
-  MpmAddedTerm *at;
+  PetscInt               count;
+  char                 **names;
+  MpmAddedTerm          *at;
+  struct MpmBackgrounds *backgrounds; /* of the program's own; NULL: none */
 };
 
 /* Reads -mpm_terms and its blocks. Collective. */

@@ -25,8 +25,8 @@ POINT = """mpm:
   shape: linear
   stabilization: {{fbar: false, ghost: "off"}}
   materials: binder
-  material_binder: {{type: neo_hookean, shear: isochoric, volumetric: quadratic, E: 300, nu: 0.25, density: 1,
-                     toughness: 0.74, length: 0.1, residual: 0.01, regularisation: {law}, split: {split}}}
+  material_binder: {{{kind}, E: 300, nu: 0.25, density: 1, toughness: 0.74, length: 0.1, residual: 0.01,
+                     regularisation: {law}, split: {split}}}
   bodies: block
   body_block: {{region: box, lower: "{low}", upper: "1,{one}", points_per_cell: "{two}", material: binder}}
   bcs: left,right,sides
@@ -38,6 +38,7 @@ POINT = """mpm:
   output: {{every: 1}}
   quiet: true
 """
+NEO = "type: neo_hookean, shear: isochoric, volumetric: quadratic"
 BAR = """mpm:
   dim: 2
   physics: damage
@@ -85,20 +86,29 @@ def answer(stretch, law="at2", split="volumetric"):
 
 
 def point(test, dim=2, value=0.12, step=0.02, law="at2", split="volumetric", scheme="monolithic", bound="bounds",
-          tolerance=1e-6, ranks=1):
+          tolerance=1e-6, ranks=1, kind=NEO, answer=answer, **options):
     """Largest differences of damage and stress from the closed form, over the largest of each; and the last state's."""
     path = test.folder() / "point.yaml"
     zero, one = ",".join(["0"] * (dim - 1)), ",".join(["1"] * (dim - 1))
-    path.write_text(POINT.format(dim=dim, low="0," + zero, zero=zero, one=one, ones=one, two=",".join(["2"] * dim),
+    path.write_text(POINT.format(kind=kind, dim=dim, low="0," + zero, zero=zero, one=one, ones=one, two=",".join(["2"] * dim),
                                  law=law, split=split, scheme=scheme, bound=bound, tolerance=tolerance, value=value, step=step,
                                  across="y" if dim == 2 else "y,z"))
-    results = test.run(path, ranks=ranks).results
+    results = test.run(path, ranks=ranks, **options).results
     rows = []
     for state in [results.state(k) for k in range(0, round(1.0 / step) + 1)]:
         stretch = state["F"][0, 0]
         rows.append([state["damage"].ravel()[0], state["stress"][0, 0], *answer(stretch, law, split)])
     rows = np.array(rows)
     return abs(rows[:, 0] - rows[:, 2]).max(), abs(rows[:, 1] - rows[:, 3]).max() / abs(rows[:, 3]).max(), rows[-1, :2]
+
+
+def spectral(stretch, law, split):
+    """Small strains along x and y of opposite sign; each step changes both lengths by 1/500."""
+    shear, lame = E / (2.0 * (1.0 + NU)), E * NU / ((1.0 + NU) * (1.0 - 2.0 * NU))
+    along, across = stretch - 1.0, 1.002 ** (np.log(stretch) / np.log(0.998)) - 1.0
+    drive = 2.0 * (1.0 - ETA) * (0.5 * lame * (along + across) ** 2 + shear * across**2)
+    d = drive / (drive + G_C / L)
+    return d, ((1.0 - ETA) * (1.0 - d) ** 2 + ETA) * lame * (along + across) + 2.0 * shear * along
 
 
 def bar(test, cells, law, step=0.002, end=0.512, ranks=1, scheme="monolithic", bound="bounds"):
@@ -138,6 +148,11 @@ with Test() as test:
         d, stress, last = point(test, **options)
         test.check(f"{name}.damage", d, None, 1e-7 if "tight" in name else 1e-5)
         test.check(f"{name}.stress", stress, None, 1e-5)
+    options = {"mpm_bcs": "left,right,sides,top", "mpm_bc_sides_upper": "1,0", "mpm_bc_top_region": "box", "mpm_bc_top_lower": "0,1",
+               "mpm_bc_top_upper": "1,1", "mpm_bc_top_components": "y", "mpm_bc_top_value": 0.1, "mpm_bc_top_ramp": "0:0,1:1"}
+    d, stress, last = point(test, value=-0.1, split="spectral", kind="type: linear_elastic", answer=spectral, **options)
+    test.check("spectral.damage", d, None, 1e-5)
+    test.check("spectral.stress", stress, None, 1e-5)
     together, in_turn = bar(test, 81, "at1"), bar(test, 81, "at1", scheme="staggered")
     fine, history = bar(test, 161, "at1"), bar(test, 81, "at1", bound="history")
     for name, found, cells in (("bar_81", together, 81), ("bar_161", fine, 161)):

@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+"""Voids three ways: empty, filled with air, under a background stiffness; and materials by voxels.
+
+Layers in series carry one stress, in closed form by the neo-Hookean law, while their faces lie on cells' faces. A background of a block's own elasticity
+doubles its force. The example void_cell against its reference; a background against air of its own stiffness.
+
+Quick.
+"""
+import shutil
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from talus_test import EXAMPLES, Test  # noqa: E402
+
+# the stack is symmetric, so that the mean displacement of its points is that of its middle
+LAYERS = """mpm:
+  dim: 2
+  shape: linear
+  grid: {{lower: "0,0", upper: "{h!r},1", cells: "1,{cells}", follow: stack, axes: "y", mode: stretch, at: 0.5}}
+  materials: grain,binder,air
+  material_air: {{type: neo_hookean, E: 5, nu: 0, density: 1, air: true}}
+  material_binder: {{type: neo_hookean, E: 300, nu: 0.25, density: 1}}
+  material_grain: {{type: neo_hookean, E: 4000, nu: 0.25, density: 1}}
+  bodies: stack
+  body_stack: {{region: voxels, file: layers.{kind}, lower: "0,0", upper: "{h!r},1", labels: "0:air,1:binder,2-900:grain"}}
+  bcs: sides,base,top
+  bc_sides: {{region: box, lower: "0,0", upper: "{h!r},1", components: "x"}}
+  bc_base: {{region: box, lower: "0,0", upper: "{h!r},0", components: "y"}}
+  bc_top: {{region: box, lower: "0,1", upper: "{h!r},1", components: "y", value: "-0.1", ramp: "0:0,1:1"}}
+  loads: weight
+  load_weight: {{type: gravity, value: "0,0", ramp: "0:1"}}
+  time: {{end: 1, step: 0.1}}
+  output: {{every: 10}}
+  quiet: true
+"""
+BLOCK = """mpm:
+  dim: {dim}
+  shape: {shape}
+  grid: {{lower: "{low}", upper: "{one}", cells: "{cells}"}}
+  materials: block
+  material_block: {{type: linear_elastic, E: 100, nu: 0.3, density: 1}}
+  bodies: block
+  body_block: {{region: box, lower: "{low}", upper: "1{half}", material: block}}
+  bcs: fixed,drawn,sides
+  bc_fixed: {{region: box, lower: "{low}", upper: "0{ones}", components: "x"}}
+  bc_drawn: {{region: box, lower: "1{zeros}", upper: "{one}", components: "x", value: "1e-4", ramp: "0:0,1:1"}}
+  bc_sides: {{region: box, lower: "{low}", upper: "{one}", components: "{across}"}}
+  backgrounds: soft
+  background_soft: {{region: box, lower: "{low}", upper: "{one}", E: 50, nu: 0.3}}
+  time: {{end: 1, step: 0.25}}
+  output: {{every: 0}}
+  checkpoint: {{every: 2}}
+  quiet: true
+"""
+
+
+SOFT = {"mpm_backgrounds": "soft", "mpm_background_soft_region": "all", "mpm_background_soft_E": 0.5e6}
+
+
+def voxels(folder, kind):
+    """Files of 1 x 32 voxels: grain, binder and air from both ends to the middle."""
+    half = np.repeat([7, 1, 0], [6, 8, 2])
+    label = np.concatenate([half, half[::-1]])
+    if kind == "csv":
+        (folder / "layers.csv").write_text("i,j,label\n" + "".join(f"0,{j},{k}\n" for j, k in enumerate(label)))
+    elif kind == "h5":
+        with h5py.File(folder / "layers.h5", "w") as file:
+            file["labels"] = label.reshape(32, 1).astype("u1")
+    else:
+        label.astype("<u2").tofile(folder / "layers.raw")
+        (folder / "layers.mhd").write_text("ObjectType = Image\nNDims = 2\nDimSize = 1 32\nElementType = MET_USHORT\n"
+                                           "ElementByteOrderMSB = False\nElementDataFile = layers.raw\n")
+
+
+def layers(test, cells, kind, ranks=1, **options):
+    folder = test.folder()
+    voxels(folder, kind)
+    (folder / "layers.yaml").write_text(LAYERS.format(h=1.0 / cells, cells=cells, kind=kind))
+    return test.run(folder / "layers.yaml", ranks=ranks, **options)
+
+
+def stresses(run, cells):
+    """At 5 and 10 per cent, in ten steps."""
+    force = np.array(run.results.history["reaction_top_y"])
+    return force[4] * cells, force[-1] * cells
+
+
+def block_text(dim, shape):
+    return BLOCK.format(dim=dim, shape=shape, low="0" + ",0" * (dim - 1), one="1" + ",1" * (dim - 1), half=",0.5" + ",1" * (dim - 2),
+                        zeros=",0" * (dim - 1), ones=",1" * (dim - 1), cells="4" + ",4" * (dim - 1), across="y,z"[:2 * dim - 3])
+
+
+def block(test, dim, shape, ranks=1, **options):
+    folder = test.folder()
+    (folder / "block.yaml").write_text(block_text(dim, shape))
+    run = test.run(folder / "block.yaml", ranks=ranks, **options)
+    return folder, run, np.array(run.results.history["reaction_drawn_x"])
+
+
+def cell(test, *more, ranks=1, **options):
+    """Force at 5 and 10 per cent, and the unknowns."""
+    folder = test.folder()
+    for name in ("case.yaml", "cell.geojson"):
+        shutil.copy(EXAMPLES / "void_cell" / name, folder)
+    options.update({"options_file": EXAMPLES / "void_cell" / name for name in more})
+    run = test.run(folder / "case.yaml", ranks=ranks, mpm_time_step=0.5, mpm_output_every=0, mpm_quiet="true", **options)
+    return -np.array(run.results.history["reaction_top_y"]) / 1e6, run.results.summary["active_dofs_max"]
+
+
+def refused(test):
+    scenes = {"label": (layers, {"mpm_body_stack_labels": "0:air,1:binder"}, "has the label 7"),
+              "material": (layers, {"mpm_body_stack_labels": "0:air,1:binder,7:stone"}, "stone is none of -mpm_materials"),
+              "size": (layers, {"mpm_body_stack_size": "2,32"}, "-mpm_body_stack_size: 2 voxels on axis x"),
+              "entry": (layers, {"mpm_body_stack_labels": "air"}, "must be entries like"),
+              "air_moves": (layers, {"mpm_time_integrator": "newmark"}, "-mpm_material_air_air: not available with inertia")}
+    for name, (scene, options, words) in scenes.items():
+        run = scene(test, 64, "raw", status=2, **options)
+        test.check(f"refused.{name}", int(words in run.errors + run.output), 1)
+    for name, options, words in (("nowhere", {"mpm_background_soft_lower": "2,0", "mpm_background_soft_upper": "3,1"}, "has the centre of no cell"),
+                                 ("moves", {"mpm_time_integrator": "newmark"}, "-mpm_backgrounds: not available with inertia")):
+        folder = test.folder()
+        (folder / "block.yaml").write_text(block_text(2, "linear"))
+        run = test.run(folder / "block.yaml", status=2, **options)
+        test.check(f"refused.{name}", int(words in run.errors + run.output), 1)
+    folder = test.folder()
+    voxels(folder, "raw")
+    with open(folder / "layers.raw", "ab") as file:
+        file.write(b"more")
+    (folder / "layers.yaml").write_text(LAYERS.format(h=1.0, cells=1, kind="raw"))
+    run = test.run(folder / "layers.yaml", status=2)
+    test.check("refused.bytes", int("has 68 bytes, and 32 voxels of 2 bytes are 64" in run.errors + run.output), 1)
+
+
+with Test() as test:
+    for value, exact in ((-0.05, -2.409730), (-0.1, -7.870403)):
+        once = np.array(layers(test, 64, "csv", mpm_time_step=1, mpm_bc_top_value=value).results.history["reaction_top_y"])
+        test.near(f"layers.{-value:g}", once[-1] * 64, exact, relative=1e-6)
+    # interfaces cross the cells, which mix both materials side by side
+    for found, exact, name in zip(stresses(layers(test, 128, "csv", mpm_shape="gimp"), 128), (-2.409730, -7.870403), "ab"):
+        test.near(f"layers.moving.{name}", found, exact, relative=0.06)
+    alike = [stresses(layers(test, 64, kind, ranks), 64) for kind, ranks in (("csv", 1), ("h5", 3), ("raw", 1))]
+    test.check("layers.files", float(np.ptp(np.array(alike), axis=0).max()), None, 1e-9)
+    run = layers(test, 64, "csv")
+    test.check("air.written", float(len(run.results.state("last")["material"])), 64 * 4 * 7 / 8, 64 * 4 * 7 / 8)
+
+    modulus = 100 * 0.7 / (1.3 * 0.4)
+    for dim, shape in ((2, "linear"), (2, "gimp_bspline2"), (3, "linear"), (2, "bspline3")):
+        folder, whole, force = block(test, dim, shape)
+        # half of the grid is filled, and all of it has the background
+        exact = 1e-4 * np.array([0.25, 0.5, 0.75, 1.0]) * modulus * (0.5 + 0.5)
+        test.check(f"background.{dim}.{shape}", abs(force - exact).max() / exact[-1], None, 1e-3)
+        if dim == 2 and shape == "linear":
+            _, _, split = block(test, dim, shape, ranks=3)
+            test.check("background.ranks_3", abs(split - force).max() / exact[-1], None, 1e-9)
+            on = test.run(folder / "block.yaml", ranks=3, mpm_restart=next(whole.folder.glob("*checkpoint*2.h5")))
+            test.check("background.restart", abs(np.array(on.results.history["reaction_drawn_x"])[-1] - force[-1]) / exact[-1], None, 1e-9)
+
+    empty, fewest = cell(test)
+    air, more = cell(test, "air.yaml")
+    soft, same = cell(test, "air.yaml", mpm_material_air_E=0.5e6)
+    background, most = cell(test, ranks=3, **SOFT)
+    for name, found, exact in (("empty", empty, (11.1688, 23.2325)), ("air", air, (11.3764, 23.6837))):
+        for k in range(2):
+            test.near(f"void_cell.{name}.{k}", found[k], exact[k], relative=0.01)
+    test.check("void_cell.background", abs(background / soft - 1.0).max(), None, 5e-3)
+    test.check("void_cell.unknowns", float(fewest < more and fewest < most), 1.0)
+    refused(test)
