@@ -91,7 +91,7 @@ static PetscErrorCode ReadBytes(MpmModel model, hid_t group, const char *name, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What parts of the model keep beside points and numbers. */
+/* Data of parts of the model beside points and numbers. */
 static PetscErrorCode ReadParts(MpmModel model, hid_t group)
 {
   PetscFunctionBeginUser;

@@ -146,8 +146,8 @@ START_TEST(box_refuses)
   BLOCK("region", "box", "lower", "0,11", "upper", "10,10.5");
   Refuse(2, "-mpm_a_upper 10.5 on axis y: must be >= -mpm_a_lower, which is 11");
   BLOCK("region", "cube");
-  Refuse(2, "-mpm_a_region cube: must be one of all, box, sphere, cylinder, polygon, layers, outline, raster, voxels, file, "
-            "columns, depth");
+  Refuse(2, "-mpm_a_region cube: must be one of all, box, sphere, cylinder, polygon, layers, outline, raster, voxels, "
+            "file, columns, depth");
 }
 END_TEST
 

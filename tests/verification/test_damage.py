@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import Test  # noqa: E402
+from talus_test import FULL, Test, example  # noqa: E402
 
 E, NU, G_C, L, ETA = 300.0, 0.25, 0.74, 0.1, 0.01
 POINT = """mpm:
@@ -164,3 +164,6 @@ with Test() as test:
     test.near("schemes.peak", in_turn[2], together[2], relative=1e-6)
     for law, cells, energy in (("at2", 4, 1.127601), ("at2", 8, 1.063151), ("at1", 4, 1.095703), ("at1", 8, 1.047363)):
         test.near(f"broken_cell.{law}.{cells}", broken_cell(test, cells, law), energy, relative=2e-3)
+    test.check_example("broken_bar", test.run(example("broken_bar"), mpm_quiet=None), "broken_bar")
+    if FULL:  # minutes
+        test.check_example("slot_crack", test.run(example("slot_crack"), mpm_quiet=None), "slot_crack")
