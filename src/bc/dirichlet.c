@@ -10,7 +10,7 @@
 #include "geometry/geometry.h"
 #include "point/layout.h"
 #include "grid/grid.h"
-#include "space/walls.h"
+#include "grid/walls.h"
 #include "bc/bc.h"
 
 /* The component of this name in the layout, or -1. */

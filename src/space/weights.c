@@ -8,10 +8,10 @@
 #include "base/outcome.h"
 #include "point/layout.h"
 #include "grid/grid.h"
+#include "grid/walls.h"
 #include "particles/points.h"
 #include "space/rules.h"
 #include "space/space.h"
-#include "space/walls.h"
 
 /* True where a wall, which goes with the grid, stands beside this point: the point projects into the wall's extent. */
 static PetscBool WallFaces(const MpmWall *wall, const MpmGrid *grid, const PetscReal x[])

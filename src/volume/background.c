@@ -13,8 +13,8 @@
   A node's displacement belongs to its owner. The partition follows the points, so that displacements go to their
   nodes' owners before each step.
 
-  Source of the use: sticky air and the die of the press in Ratel (Atkins et al.,
-  https://ratel.micromorph.org), where soft stiffness stands in place of void.
+  Source of the use, soft stiffness in place of void: Duster, Parvizian, Yang and Rank (2008), Comput. Methods Appl.
+  Mech. Engrg. 197, 3768-3782, doi:10.1016/j.cma.2008.02.036.
 */
 #include <stddef.h>
 #include <stdlib.h>
