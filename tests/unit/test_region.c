@@ -147,7 +147,7 @@ START_TEST(box_refuses)
   Refuse(2, "-mpm_a_upper 10.5 on axis y: must be >= -mpm_a_lower, which is 11");
   BLOCK("region", "cube");
   Refuse(2, "-mpm_a_region cube: must be one of all, box, sphere, cylinder, polygon, layers, outline, raster, voxels, "
-            "file, columns, depth");
+            "file, columns, depth, hydrograph");
 }
 END_TEST
 
