@@ -25,12 +25,13 @@ PetscErrorCode MpmBasalMapRead(const MpmOptions *block, const MpmParameter *para
 
   PetscFunctionBeginUser;
   *is = PETSC_FALSE;
-  if (MpmOptionsHelp() || parameter->kind != MPM_NUMBER) PetscFunctionReturn(PETSC_SUCCESS);
+  if (parameter->kind != MPM_NUMBER) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(name, sizeof(name), "-%s%s", block->prefix, parameter->name));
   PetscCall(MpmDatabaseFind(&name[1], &value, &given));
   if (!given || !value || !IsName(value)) PetscFunctionReturn(PETSC_SUCCESS);
   *is = PETSC_TRUE;
   PetscCall(MpmOptionsPath(block, parameter->name, parameter->help, MPM_REQUIRED, &path));
+  if (MpmOptionsHelp()) PetscFunctionReturn(PetscFree(path));
   if (plane) {
     ask.project = plane->project;
     PetscCall(PetscArraycpy(ask.origin, plane->origin, 2));
@@ -53,7 +54,7 @@ PetscErrorCode MpmBasalMapLeast(const MpmOptions *block, const MpmParameter *par
 
   PetscFunctionBeginUser;
   PetscCall(MpmBasalMapRead(block, parameter, &map, is));
-  if (!*is) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!*is || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   *least = map.value[0];
   for (PetscInt64 k = 0; k < (PetscInt64)map.columns * map.rows; k++) *least = PetscMin(*least, map.value[k]);
   PetscCall(MpmMapDestroy(&map));

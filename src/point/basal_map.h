@@ -8,7 +8,7 @@
 /*
   Reads a parameter whose option is the path of a map: its values, all in the parameter's range, with those of pixels
   without data from beside. `is` says whether it is one; otherwise the option is left alone, and the map empty. With
-  -help there is none.
+  -help it is empty, too.
 */
 PetscErrorCode MpmBasalMapRead(const MpmOptions *block, const MpmParameter *parameter, MpmMap *map, PetscBool *is);
 /* Its least value. */
