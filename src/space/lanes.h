@@ -32,7 +32,7 @@ typedef struct {
   PetscBool thin;                /* a gradient among them: a point on an edge of the grid */
 } MpmStencil;
 
-/* Where the nodes of the group stand from the point, and the second moments of its weights. */
+/* Where the nodes of the group, vertices of cells, stand from the point, and the second moments of its weights. */
 MPM_INLINE void MpmStencilPlace(const MpmKnown known, const MpmSum *sum, const PetscInt first[], PetscInt p,
                                 MpmStencil *at)
 {
@@ -42,11 +42,11 @@ MPM_INLINE void MpmStencilPlace(const MpmKnown known, const MpmSum *sum, const P
 
   at->thin = PETSC_FALSE;
   for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal start = MpmGridNodeAt(grid, a, first[a]) - x[a];
+    const PetscReal start = grid->lower[a] + grid->h[a] * (PetscReal)first[a] - x[a];
 
     at->second[a] = 0.;
     for (PetscInt k = 0; k < known.count[a]; k++) {
-      at->away[a][k] = start + grid->h[a] * MpmGridNodeStep(grid, first[a], k);
+      at->away[a][k] = start + grid->h[a] * (PetscReal)k;
       at->second[a] += w[a * W + k] * at->away[a][k] * at->away[a][k];
     }
   }
