@@ -47,6 +47,18 @@ def write_ascii(path, x, y, value, none=-9999.0):
     Path(path).write_text(head + "\n".join(rows) + "\n", encoding="utf-8")
 
 
+def gully_on_fan(x, y, fan, middle, slopes, blend, ends, depth, width, dome=0.0, centre=0.0):
+    """Heights of a slope with a gully that opens on a fan, m.
+
+    The slope falls from the first of `slopes` to the second at x = fan, over the length `blend`; the walls of the gully about
+    y = middle rise by `depth` within about `width`, and end within `ends` of the fan. The fan is dome (y - centre)^2 higher.
+    """
+    steep, flat = slopes
+    along = flat * (fan - x) + (steep - flat) * blend * np.logaddexp(0.0, (fan - x) / blend)
+    walls = 1.0 / (1.0 + np.exp((x - fan) / ends))
+    return 20.0 + along + walls * depth * np.tanh(((y - middle) / width) ** 2) + (1.0 - walls) * dome * (y - centre) ** 2
+
+
 def tiff_entries(data):
     """The entries of the first directory of a TIFF by tag."""
     if data[:4] != b"II*\0":

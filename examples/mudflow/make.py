@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent.parent / "scripts"))
-from maps import write_ascii  # noqa: E402
+from maps import gully_on_fan, write_ascii  # noqa: E402
 
 FAN = 450.0  # m: where the slope ends and the fan begins
 
@@ -17,10 +17,7 @@ def middle(x):
 
 
 def bed(x, y):
-    steep, flat, blend = 0.45, 0.06, 40.0  # slopes, and the length over which one becomes the other
-    along = flat * (FAN - x) + (steep - flat) * blend * np.logaddexp(0.0, (FAN - x) / blend)
-    walls = 1.0 / (1.0 + np.exp((x - FAN) / 30.0))
-    return 20.0 + along + walls * 18.0 * np.tanh(((y - middle(x)) / 38.0) ** 2) + (1.0 - walls) * 0.0006 * (y - 160.0) ** 2
+    return gully_on_fan(x, y, FAN, middle(x), (0.45, 0.06), 40.0, ends=30.0, depth=18.0, width=38.0, dome=0.0006, centre=160.0)
 
 
 def main(folder):

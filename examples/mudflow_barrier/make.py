@@ -6,16 +6,13 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent.parent / "scripts"))
-from maps import write_ascii  # noqa: E402
+from maps import gully_on_fan, write_ascii  # noqa: E402
 
 FAN, MIDDLE = 300.0, 100.0  # m: where the slope ends, and y of the gully
 
 
 def bed(x, y):
-    steep, flat, blend = 0.4, 0.06, 30.0  # slopes, and the length over which one becomes the other
-    along = flat * (FAN - x) + (steep - flat) * blend * np.logaddexp(0.0, (FAN - x) / blend)
-    walls = 1.0 / (1.0 + np.exp((x - FAN) / 25.0))
-    return 20.0 + along + walls * 15.0 * np.tanh(((y - MIDDLE) / 35.0) ** 2)
+    return gully_on_fan(x, y, FAN, MIDDLE, (0.4, 0.06), 30.0, ends=25.0, depth=15.0, width=35.0)
 
 
 def main(folder):

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent.parent / "scripts"))
-from maps import write_ascii  # noqa: E402
+from maps import gully_on_fan, write_ascii  # noqa: E402
 
 FAN = 420.0  # m: where the gully ends and the fan begins
 
@@ -17,10 +17,7 @@ def middle(x):
 
 
 def bed(x, y):
-    steep, flat, blend = 0.28, 0.07, 40.0  # slopes, and the length over which one becomes the other
-    along = flat * (FAN - x) + (steep - flat) * blend * np.logaddexp(0.0, (FAN - x) / blend)
-    walls = 1.0 / (1.0 + np.exp((x - FAN) / 25.0))
-    return 20.0 + along + walls * 15.0 * np.tanh(((y - middle(x)) / 24.0) ** 2) + (1.0 - walls) * 0.0008 * (y - 120.0) ** 2
+    return gully_on_fan(x, y, FAN, middle(x), (0.28, 0.07), 40.0, ends=25.0, depth=15.0, width=24.0, dome=0.0008, centre=120.0)
 
 
 def soil(x, y):

@@ -282,7 +282,7 @@ PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid,
   if (MpmRegionGetType(bc->region) != MPM_REGION_BOX) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt axis = 0; axis < grid->dim; axis++) {
     PetscInt  first, last;
-    PetscReal least, most;
+    PetscReal least, most, from, to; /* from, to: bounds of the region, cells */
     PetscBool above, below;
     MpmWall   wall = {.axis = axis};
 
@@ -293,11 +293,10 @@ PetscErrorCode MpmConditionGetWalls(const MpmCondition *bc, const MpmGrid *grid,
     }
     PetscCall(MpmRegionGetBounds(bc->region, wall.lower, wall.upper));
     /* the outermost planes of constrained vertices; at the grid's edges there is nothing to add */
-    first = (PetscInt)PetscCeilReal(PetscMax((wall.lower[axis] - grid->start_lower[axis]) / grid->start_h[axis], 0.) -
-                                    MPM_TOLERANCE);
-    last  = (PetscInt)PetscFloorReal(
-       PetscMin((wall.upper[axis] - grid->start_lower[axis]) / grid->start_h[axis], (PetscReal)(grid->cells[axis] + 1)) +
-       MPM_TOLERANCE);
+    from  = PetscMax((wall.lower[axis] - grid->start_lower[axis]) / grid->start_h[axis], 0.);
+    to    = PetscMin((wall.upper[axis] - grid->start_lower[axis]) / grid->start_h[axis], grid->cells[axis] + 1.);
+    first = (PetscInt)PetscCeilReal(from - MPM_TOLERANCE);
+    last  = (PetscInt)PetscFloorReal(to + MPM_TOLERANCE);
     if (first > last) continue;
     /* material that is drawn across the plane must not be cut there; splines need the end that a wall gives them */
     above = (PetscBool)(spline || least == 0.);

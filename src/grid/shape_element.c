@@ -123,10 +123,10 @@ MPM_INLINE void EvaluateAll(PetscInt order, PetscBool domain, PetscInt count, co
     const PetscInt  lower = at->edge_lower[k], upper = at->edge_upper[k], c = CellOf(at->xi[k], lower, upper);
     const PetscReal l     = domain ? at->half_length[k] : 0.;
     const PetscBool point = (PetscBool) !(l > MPM_SHAPE_POINT);
-    const Place     here  = {
-           c, lower, upper,
-           Inside(at->xi[k] - (PetscReal)c - 0.5, (PetscBool)(point || c == lower), (PetscBool)(c == upper - 1)), at->touch};
-    PetscReal *w = &lines->weight[k * width], *g = &lines->gradient[k * width];
+    const PetscReal t =
+      Inside(at->xi[k] - (PetscReal)c - 0.5, (PetscBool)(point || c == lower), (PetscBool)(c == upper - 1));
+    const Place here = {c, lower, upper, t, at->touch};
+    PetscReal  *w = &lines->weight[k * width], *g = &lines->gradient[k * width];
 
     if (point) {
       lines->first[k] = c * order;

@@ -5,17 +5,17 @@
     k (s* - s) = tau(h, p, s/dt) ,   h = p/(rho g n_z) ,
 
   s* the way along the surface in the step without friction, s the one that remains, k the stiffness by which a traction
-  shortens it. The left side falls with s, and tau does not: a bisection finds the root, s = 0 where tau(0) >= k s*.
+  shortens it; s = 0 where tau(0) >= k s*.
 */
 #include "options/options.h"
 #include "talus/point/basal.h"
 #include "point/basal_map.h"
 #include "point/material.h"
+#include "point/resisted_speed.h"
 #include "rigid/basal_friction.h"
 #include "rigid/rigid.h"
 
-#define HALVINGS 40
-#define UPRIGHT  0.1 /* least cosine for the depth */
+#define UPRIGHT 0.1 /* least cosine for the depth */
 
 PetscErrorCode MpmBasalFrictionRead(const MpmOptions *options, const MpmOptions *block, MpmBoundary *boundary)
 {
@@ -56,24 +56,31 @@ PetscErrorCode MpmBasalFrictionDestroy(MpmBoundary *boundary)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A law, and where its layer stands. */
+typedef struct {
+  const MpmMaterial *material;
+  MpmBasalPoint      point;
+} Layer;
+
+static PetscReal Resistance(const void *of, PetscReal speed)
+{
+  const Layer  *layer = (const Layer *)of;
+  MpmBasalPoint point = layer->point;
+
+  point.speed = speed;
+  return layer->material->basal->resistance(layer->material->parameter, &point);
+}
+
 PetscReal MpmBasalFriction(const MpmBoundary *boundary, PetscReal pressure, PetscReal upright, PetscReal size,
                            PetscReal stiffness, PetscReal dt)
 {
-  const double      *parameter = boundary->basal->parameter;
-  const MpmBasalLaw *law       = boundary->basal->basal;
-  const PetscReal    weight    = parameter[MPM_BASAL_DENSITY] * parameter[MPM_BASAL_GRAVITY];
-  MpmBasalPoint      point     = {.pressure = pressure, .depth = pressure / (weight * PetscMax(upright, UPRIGHT))};
-  PetscReal          lower = 0., upper = size;
+  const double   *parameter = boundary->basal->parameter;
+  const PetscReal weight    = parameter[MPM_BASAL_DENSITY] * parameter[MPM_BASAL_GRAVITY];
+  const Layer     layer     = {boundary->basal,
+                               {.pressure = pressure, .depth = pressure / (weight * PetscMax(upright, UPRIGHT))}};
+  PetscReal       speed;
 
   if (!(pressure > 0.) || !(dt > 0.)) return 0.;
-  if (law->resistance(parameter, &point) >= stiffness * size) return stiffness * size;
-  for (PetscInt k = 0; k < HALVINGS; k++) {
-    const PetscReal middle = 0.5 * (lower + upper);
-
-    point.speed = middle / dt;
-    if (law->resistance(parameter, &point) < stiffness * (size - middle)) lower = middle;
-    else upper = middle;
-  }
-  point.speed = lower / dt;
-  return law->resistance(parameter, &point);
+  speed = MpmResistedSpeed(stiffness * dt, 1., size / dt, Resistance, &layer);
+  return speed > 0. ? Resistance(&layer, speed) : stiffness * size;
 }

@@ -16,12 +16,11 @@
 */
 #include "talus/point/basal.h"
 #include "point/material.h"
+#include "point/resisted_speed.h"
 #include "grid/grid.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "terrain/bed_flow.h"
-
-#define MOST 100 /* iterations: a bisection would have ended */
 
 /* A node that flows: geometry of its bed, and its materials. */
 typedef struct {
@@ -34,8 +33,9 @@ typedef struct {
 } Node;
 
 /* F at a speed, N. */
-static PetscReal Resistance(const Node *node, PetscReal speed)
+static PetscReal Resistance(const void *of, PetscReal speed)
 {
+  const Node    *node      = (const Node *)of;
   const PetscInt materials = node->flow->materials;
   PetscReal      force     = 0.;
 
@@ -71,44 +71,6 @@ static PetscReal Shear(const Node *node, PetscReal speed)
     area += node->flow->shares[(node->node * materials + k) * MPM_BED_SHARES + MPM_BED_OVER_DEPTH] /
             node->sum->materials[k].parameter[MPM_BASAL_DENSITY];
   return Resistance(&bare, speed) / (area * node->part);
-}
-
-/* The root where the resistance is F(0) and a part that goes with the speed squared: all of it, of most laws. */
-static PetscReal SquareRoot(PetscReal mass, PetscReal kick, PetscReal speed, PetscReal at_rest, PetscReal at_speed)
-{
-  const PetscReal square = kick * (at_speed - at_rest) / (speed * speed), rest = mass * speed - kick * at_rest;
-  const PetscReal root = mass * mass + 4. * square * rest;
-
-  return root > 0. ? PetscClipInterval(2. * rest / (mass + PetscSqrtReal(root)), 0., speed) : 0.5 * speed;
-}
-
-/* The root between 0 and a speed: that estimate, and regula falsi with halved ends (Illinois) where it is none. */
-static PetscReal Solve(const Node *node, PetscReal mass, PetscReal kick, PetscReal speed)
-{
-  const PetscReal at_rest = Resistance(node, 0.), at_speed = Resistance(node, speed), zero = 4. * PETSC_MACHINE_EPSILON;
-  PetscReal       lower = 0., upper = speed, below = kick * at_rest - mass * speed, above = kick * at_speed;
-  int             side = 0;
-
-  if (!(below < 0.)) return 0.;
-  for (PetscInt k = 0; k < MOST && above > 0. && upper - lower > zero * upper; k++) {
-    const PetscReal middle =
-      k ? (lower * above - upper * below) / (above - below) : SquareRoot(mass, kick, speed, at_rest, at_speed);
-    const PetscReal value = mass * (middle - speed) + kick * Resistance(node, middle);
-
-    if (PetscAbsReal(value) <= zero * mass * speed) return middle;
-    if (value > 0.) {
-      upper = middle;
-      above = value;
-      if (side > 0) below *= 0.5;
-      side = 1;
-    } else {
-      lower = middle;
-      below = value;
-      if (side < 0) above *= 0.5;
-      side = -1;
-    }
-  }
-  return above > 0. ? 0.5 * (lower + upper) : upper;
 }
 
 /* Parameters of all materials at a node. */
@@ -184,7 +146,7 @@ PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[]
     }
     if (flow->own) TakeParameters(sum, i, flow);
     if (flow->drag) node.drag = flow->drag[Place(sum, i)];
-    to = Solve(&node, mass[i], kick, speed);
+    to = MpmResistedSpeed(mass[i], kick, speed, Resistance, &node);
     if (flow->shear && to > 0.) flow->shear[i] = (MpmBedShear){Shear(&node, to), node.along * to};
     for (PetscInt a = 0; a < 2; a++) {
       v[a]                               = to == 0. ? 0. : v[a] * to / speed;
