@@ -27,6 +27,7 @@ PetscErrorCode MpmLevelOfSpace(const MpmSpace *space, const MpmConstraints *cons
     level->ratio[a] = 1;
     level->last[a]  = grid->nodes[a] - 1;
   }
+  level->order = grid->order;
   level->local = space->local;
   level->owned = space->owned;
   level->begin = space->number.begin;
@@ -85,6 +86,30 @@ static void MapNode(const Map *map, PetscInt place, PetscInt at[])
 
 /* ---- relations ---- */
 
+/* The relation of axis a at fine node i; entry k of the axis. */
+static void FillAxis(const Coarsening *to, PetscInt a, PetscInt i, PetscInt k)
+{
+  const MpmLevel *fine = to->fine, *coarse = to->coarse;
+  const Axis     *axis   = &to->axis[a];
+  PetscReal      *weight = &axis->weight[k * MPM_TWO_SCALE_MOST];
+
+  axis->first[k] = axis->same[k] = i;
+  axis->count[k]                 = 1;
+  weight[0]                      = 1.;
+  if (fine->last[a] == coarse->last[a]) return;
+  if (fine->order > 1) {
+    const MpmElementScale relation = {fine->order, coarse->order, to->step[a], fine->last[a] / fine->order};
+
+    axis->count[k] = MpmElementScaleRow(&relation, i, &axis->first[k], weight);
+    axis->same[k]  = axis->count[k] == 1 ? axis->first[k] : -1;
+  } else {
+    const MpmTwoScale relation = {to->rules->degree, to->step[a], to->rules->edge, fine->last[a], coarse->last[a]};
+
+    axis->count[k] = MpmTwoScaleRow(&relation, i, &axis->first[k], weight);
+    axis->same[k]  = i % to->step[a] ? -1 : i / to->step[a];
+  }
+}
+
 /* Relations of the axes, at the indices of this rank's nodes. */
 static PetscErrorCode MakeAxes(Coarsening *to)
 {
@@ -92,13 +117,8 @@ static PetscErrorCode MakeAxes(Coarsening *to)
 
   PetscFunctionBeginUser;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const MpmTwoScale relation = {.degree = to->rules->degree,
-                                  .ratio  = to->step[a],
-                                  .edge   = to->rules->edge,
-                                  .fine   = fine->last[a],
-                                  .coarse = to->coarse->last[a]};
-    Axis             *axis     = &to->axis[a];
-    PetscInt          end      = 0;
+    Axis    *axis = &to->axis[a];
+    PetscInt end  = 0;
 
     axis->lower = fine->last[a] + 1;
     for (PetscInt i = 0; i < fine->local; i++) {
@@ -107,16 +127,9 @@ static PetscErrorCode MakeAxes(Coarsening *to)
       end         = PetscMax(end, fine->at[i * NUMBERS + a] + 1);
     }
     axis->lower = PetscMin(axis->lower, end);
-    PetscCall(PetscMalloc3((end - axis->lower), &axis->first, (end - axis->lower), &axis->count,
-                           ((end - axis->lower) * MPM_TWO_SCALE_MOST), &axis->weight));
-    for (PetscInt k = 0; k < end - axis->lower; k++) {
-      axis->first[k]                       = axis->lower + k;
-      axis->count[k]                       = 1;
-      axis->weight[k * MPM_TWO_SCALE_MOST] = 1.;
-      if (to->step[a] > 1)
-        axis->count[k] =
-          MpmTwoScaleRow(&relation, axis->lower + k, &axis->first[k], &axis->weight[k * MPM_TWO_SCALE_MOST]);
-    }
+    PetscCall(PetscMalloc4((end - axis->lower), &axis->first, (end - axis->lower), &axis->count, (end - axis->lower),
+                           &axis->same, ((end - axis->lower) * MPM_TWO_SCALE_MOST), &axis->weight));
+    for (PetscInt k = 0; k < end - axis->lower; k++) FillAxis(to, a, axis->lower + k, k);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -155,10 +168,11 @@ static PetscErrorCode NameNodes(Coarsening *to, const MpmConstraints *constraint
 
 static PetscMPIInt OwnerOf(const Coarsening *to, const PetscInt at[])
 {
-  PetscInt node[MPM_MAX_DIM];
+  const MpmLevel *coarse = to->coarse;
+  PetscInt        cell[MPM_MAX_DIM];
 
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) node[a] = at[a] * to->coarse->ratio[a];
-  return MpmGridNodeOwner(to->rules->grid, node);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) cell[a] = at[a] * coarse->ratio[a] / coarse->order;
+  return MpmGridCellOwner(to->rules->grid, cell);
 }
 
 #define ASKED (NUMBERS + 1) /* numbers of a question: node and bits */
@@ -237,12 +251,11 @@ static void HoldCoarse(const Coarsening *to, const MpmConstraints *constraints)
     PetscInt  at[NUMBERS], held = to->fine->held[i];
     PetscBool coarse = HasPlace(to->fine, i);
 
-    for (PetscInt a = 0; a < NUMBERS; a++) {
-      const PetscInt step = a < MPM_MAX_DIM ? to->step[a] : 1;
-
-      at[a] = to->fine->at[i * NUMBERS + a] / step;
-      if (at[a] * step != to->fine->at[i * NUMBERS + a]) coarse = PETSC_FALSE;
+    for (PetscInt a = 0; a < MPM_MAX_DIM && coarse; a++) {
+      at[a] = to->axis[a].same[to->fine->at[i * NUMBERS + a] - to->axis[a].lower];
+      if (at[a] < 0) coarse = PETSC_FALSE;
     }
+    at[MPM_MAX_DIM] = to->fine->at[i * NUMBERS + MPM_MAX_DIM];
     if (constraints && MpmConstraintsFrame(constraints, i) && to->fine->free[i]) held = 0;
     if (coarse) *MapAt(&to->own, at) |= held << HELD;
   }
@@ -334,17 +347,20 @@ static PetscErrorCode NumberNodes(Coarsening *to, const MpmConstraints *constrai
 /* ---- the whole ---- */
 
 PetscErrorCode MpmLevelCoarsen(const MpmLevelRules *rules, const MpmLevel *fine, const MpmFinest *finest,
-                               MpmLevel *coarse, Mat *interpolation)
+                               PetscInt order, MpmLevel *coarse, Mat *interpolation)
 {
   const MpmConstraints *constraints = finest ? finest->constraints : NULL;
   Coarsening            to          = {.rules = rules, .fine = fine, .coarse = coarse};
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(coarse, sizeof(*coarse)));
+  coarse->order = order;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    to.step[a]       = fine->last[a] > 1 ? rules->coarsen : 1;
+    const PetscInt cells = fine->last[a] / fine->order;
+
+    to.step[a]       = cells > 1 && order == fine->order ? rules->coarsen : 1;
     coarse->ratio[a] = fine->ratio[a] * to.step[a];
-    coarse->last[a]  = (fine->last[a] + to.step[a] - 1) / to.step[a];
+    coarse->last[a]  = (cells + to.step[a] - 1) / to.step[a] * order;
   }
   PetscCall(MakeAxes(&to));
   PetscCall(NameNodes(&to, constraints));
@@ -352,7 +368,7 @@ PetscErrorCode MpmLevelCoarsen(const MpmLevelRules *rules, const MpmLevel *fine,
   PetscCall(MpmMakeInterpolation(&to, constraints, interpolation));
   if (finest && finest->rows) PetscCall(MpmMakeLocalRows(&to, finest));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-    PetscCall(PetscFree3(to.axis[a].first, to.axis[a].count, to.axis[a].weight));
+    PetscCall(PetscFree4(to.axis[a].first, to.axis[a].count, to.axis[a].same, to.axis[a].weight));
   PetscCall(PetscFree(to.named.value));
   PetscCall(PetscFree(to.own.value));
   PetscFunctionReturn(PETSC_SUCCESS);

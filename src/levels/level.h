@@ -11,13 +11,14 @@ typedef struct {
   MPI_Comm       comm;
   const MpmGrid *grid;         /* the finest level's, which says who owns a place */
   PetscInt       block, extra; /* unknowns a node, and nodes without a place, which all levels have */
-  PetscInt       degree;
+  PetscInt       degree;       /* of nodes at vertices */
   MpmEdgeType    edge;
   PetscInt       coarsen; /* cells an axis that become one */
 } MpmLevelRules;
 
 /* The nodes of a level that this rank owns, last those without a place; of the finest one, its ghosts behind them. */
 typedef struct {
+  PetscInt order;                      /* nodes a cell, 1: vertices alone */
   PetscInt ratio[MPM_MAX_DIM];         /* cells of the finest level in one, by axis */
   PetscInt last[MPM_MAX_DIM];          /* index of the last node on each axis; 0 on unused axes */
   PetscInt local, owned, begin, count; /* own nodes with ghosts and without, the first one's number, all ranks' nodes */
@@ -52,7 +53,8 @@ PetscErrorCode MpmLevelOfSpace(const MpmSpace *space, const MpmConstraints *cons
   Input Parameters:
 + rules       - of all levels
 . fine        - the level
-- finest      - of the finest level, NULL for others
+. finest      - of the finest level, NULL for others
+- order       - of the coarse level: where it is lower than the fine one's the cells stay, otherwise they become larger
 
   Output Parameters:
 + coarse        - nodes of the coarser lattice that any unknown of the fine level depends on
@@ -63,5 +65,5 @@ PetscErrorCode MpmLevelOfSpace(const MpmSpace *space, const MpmConstraints *cons
   solved for depends on it. The matrix has entries for all components of all nodes: products with it have a diagonal.
 */
 PetscErrorCode MpmLevelCoarsen(const MpmLevelRules *rules, const MpmLevel *fine, const MpmFinest *finest,
-                               MpmLevel *coarse, Mat *interpolation);
+                               PetscInt order, MpmLevel *coarse, Mat *interpolation);
 PetscErrorCode MpmLevelDestroy(MpmLevel *level);

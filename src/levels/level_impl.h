@@ -16,10 +16,10 @@ typedef struct {
   PetscInt *value;
 } Map;
 
-/* For each index of an axis of the fine lattice: the coarse nodes and their shares. */
+/* For each index of an axis of the fine lattice: the coarse nodes and their shares, and the one in its place, or -1. */
 typedef struct {
   PetscInt   lower; /* fine index of the first entry */
-  PetscInt  *first, *count;
+  PetscInt  *first, *count, *same;
   PetscReal *weight; /* MPM_TWO_SCALE_MOST an entry */
 } Axis;
 

@@ -1,8 +1,8 @@
 /*
-  PC type `levels`: geometric multigrid for the unknowns on the lattice. Coarser lattices lie under the active nodes
-  (level.c); in nested spaces the coarse operator P^T A P is the Jacobian of the coarse shape functions at the same
-  points, with all terms and conditions in it. PETSc's PCMG does the cycles: options start with -mg_levels_ and
-  -mg_coarse_.
+  PC type `levels`: geometric multigrid for the unknowns on the lattice. Elements of lower order, and coarser lattices,
+  lie under the active nodes (level.c); in nested spaces the coarse operator P^T A P is the Jacobian of the coarse shape
+  functions at the same points, with all terms and conditions in it. PETSc's PCMG does the cycles: options start with
+  -mg_levels_ and -mg_coarse_.
 
   Interpolation and products stay for as long as the matrix keeps its pattern, and nodes and conditions their places.
 */
@@ -74,28 +74,31 @@ static PetscErrorCode MakeHeld(const MpmLevel *level, PetscInt bs, PetscReal dia
 /* Interpolation of all levels; the finest one's nodes stay for comparison. */
 static PetscErrorCode MakeLevels(Levels *levels, MPI_Comm comm)
 {
-  const MpmLevelsStep *step   = &levels->step;
-  const PetscInt       bs     = step->constraints->block;
-  const PetscInt       most   = levels->choice.levels ? levels->choice.levels - 1 : MPM_LEVELS_MOST - 1;
-  const MpmLevelRules  rules  = {.comm    = comm,
-                                 .grid    = step->grid,
-                                 .block   = bs,
-                                 .extra   = step->space->extra.count,
-                                 .degree  = MpmShapeDegree(levels->choice.shape),
-                                 .edge    = levels->choice.edge,
-                                 .coarsen = levels->choice.coarsen};
-  const MpmFinest      finest = {step->space, step->constraints, levels->shell ? &levels->rows : NULL};
+  const MpmLevelsStep *step     = &levels->step;
+  const PetscInt       bs       = step->constraints->block;
+  const PetscInt       most     = levels->choice.levels ? levels->choice.levels - 1 : MPM_LEVELS_MOST - 1;
+  const PetscInt       last     = levels->choice.orders - 1;
+  const PetscBool      elements = (PetscBool)(MpmShapeOrder(levels->choice.shape) > 1);
+  const MpmLevelRules  rules    = {.comm    = comm,
+                                   .grid    = step->grid,
+                                   .block   = bs,
+                                   .extra   = step->space->extra.count,
+                                   .degree  = elements ? 1 : MpmShapeDegree(levels->choice.shape),
+                                   .edge    = levels->choice.edge,
+                                   .coarsen = levels->choice.coarsen};
+  const MpmFinest      finest   = {step->space, step->constraints, levels->shell ? &levels->rows : NULL};
   MpmLevel             level;
 
   PetscFunctionBeginUser;
   PetscCall(MpmLevelOfSpace(step->space, step->constraints, step->grid, &levels->finest));
   level = levels->finest;
   for (PetscInt k = 0; k < most; k++) {
-    const PetscInt widest = PetscMax(PetscMax(level.last[0], level.last[1]), level.last[2]);
+    const PetscInt widest = PetscMax(PetscMax(level.last[0], level.last[1]), level.last[2]) / level.order;
+    const PetscInt order  = levels->choice.order[PetscMin(k + 1, last)];
     MpmLevel       coarse;
 
-    if (widest < 2 || (k && !levels->choice.levels && level.count * bs <= COARSEST)) break;
-    PetscCall(MpmLevelCoarsen(&rules, &level, k ? NULL : &finest, &coarse, &levels->P[k]));
+    if (k >= last && (widest < 2 || (k && !levels->choice.levels && level.count * bs <= COARSEST))) break;
+    PetscCall(MpmLevelCoarsen(&rules, &level, k ? NULL : &finest, order, &coarse, &levels->P[k]));
     PetscCall(MakeHeld(&coarse, bs, step->constraints->diagonal, levels->P[k], &levels->held[k]));
     if (levels->shell && !k)
       PetscCall(MpmProjectionCreate(&levels->rows, step->space, comm, (const PetscInt[]){coarse.owned, coarse.count},

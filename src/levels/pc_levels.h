@@ -1,6 +1,6 @@
 #pragma once
 /*
-  PC type `levels`: multigrid on coarser lattices.
+  PC type `levels`: multigrid on coarser lattices, and on elements of lower order.
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -8,11 +8,14 @@
 
 /* Most levels. */
 #define MPM_LEVELS_MOST 12
+/* Highest order of elements. */
+#define MPM_ORDER 4
 
 /* Choices of the scene (-mpm_multigrid_...). */
 typedef struct {
-  PetscInt     levels;  /* 0: auto */
-  PetscInt     coarsen; /* cells an axis that become one */
+  PetscInt     levels;                   /* 0: auto */
+  PetscInt     coarsen;                  /* cells an axis that become one */
+  PetscInt     orders, order[MPM_ORDER]; /* of the first levels, that of the finest one included */
   MpmShapeType shape;
   MpmEdgeType  edge;
 } MpmLevelsChoice;

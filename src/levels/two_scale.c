@@ -11,9 +11,13 @@
   first intervals. Coarse ones of either kind have that on the fine lattice, too. The unknown of an open edge's node is
   the spline's value.
 
+  Lagrange elements have the coarse functions' values at the fine nodes.
+
   Sources: Lane and Riesenfeld (1980), doi:10.1109/TPAMI.1980.4766968 (subdivision of B-splines); de Boor (1978), A
   Practical Guide to Splines, IV (ends).
 */
+#include "grid/grid.h"
+#include "grid/shape_element.h"
 #include "levels/two_scale.h"
 
 /* Most numbers of the relation: degree 3, three cells as one. */
@@ -80,5 +84,25 @@ PetscInt MpmTwoScaleRow(const MpmTwoScale *relation, PetscInt node, PetscInt *fi
   end    = PetscMin(end, begin + MPM_TWO_SCALE_MOST);
   *first = row.base + begin;
   for (PetscInt k = begin; k < end; k++) weight[k - begin] = row.share[k];
+  return end - begin;
+}
+
+/* Values of coarse functions at nodes where they are zero are below this. */
+#define NOTHING 1e-13
+
+PetscInt MpmElementScaleRow(const MpmElementScale *relation, PetscInt node, PetscInt *first, PetscReal weight[])
+{
+  const PetscInt  last = (relation->cells - 1) / relation->ratio, cell = node / relation->fine;
+  const PetscInt  coarse = PetscMin(cell / relation->ratio, last), order = relation->coarse;
+  const PetscReal xi = (PetscReal)cell + MpmCellNodes(relation->fine)[node % relation->fine];
+  const PetscReal x  = xi / (PetscReal)relation->ratio - (PetscReal)coarse; /* in the coarse cell, 0 to 1 */
+  PetscReal       value[MPM_TWO_SCALE_MOST] = {1. - x, x};
+  PetscInt        begin = 0, end = order + 1;
+
+  if (order > 1) MpmElementDerivatives(order, 0, x - 0.5, value);
+  while (begin < end && PetscAbsReal(value[begin]) < NOTHING) begin++;
+  while (end > begin && PetscAbsReal(value[end - 1]) < NOTHING) end--;
+  *first = coarse * order + begin;
+  for (PetscInt k = begin; k < end; k++) weight[k - begin] = value[k];
   return end - begin;
 }

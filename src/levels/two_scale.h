@@ -1,6 +1,6 @@
 #pragma once
 /*
-  The relation between the splines of two lattices along one axis.
+  The relation between the functions of two lattices along one axis: splines, and Lagrange elements.
 */
 #include "base/base.h"
 #include "grid/shape.h"
@@ -34,3 +34,18 @@ typedef struct {
   with an even ratio.
 */
 PetscInt MpmTwoScaleRow(const MpmTwoScale *relation, PetscInt node, PetscInt *first, PetscReal weight[]);
+
+/* Orders of the elements of two lattices, 1 to 4, how many cells become one, and the cells of the fine lattice. */
+typedef struct {
+  PetscInt fine, coarse, ratio, cells;
+} MpmElementScale;
+
+/*
+  MpmElementScaleRow - the unknown of a fine node as a sum over coarse nodes: the value of the coarse functions there
+
+  Arguments and result are those of MpmTwoScaleRow().
+
+  Notes:
+  Exact where the order does not grow: a polynomial of the coarse cell is one of each fine cell in it.
+*/
+PetscInt MpmElementScaleRow(const MpmElementScale *relation, PetscInt node, PetscInt *first, PetscReal weight[]);

@@ -51,7 +51,5 @@ PetscErrorCode MpmShapeCheck(const MpmModel model)
   MpmCheckInput(!model->scene.stabilization.fbar_spread,
                 "-mpm_stabilization_fbar spread: must be auto, true, false or plain with -mpm_shape %s", name);
   MpmCheckInput(!model->gradient, "-mpm_shape %s: not available with derivatives of a run, must be of order 1", name);
-  MpmCheckInput(strcmp(model->solver.preset.name, "hmg"),
-                "-mpm_solver hmg: not available with -mpm_shape %s, must be auto, amg or another", name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

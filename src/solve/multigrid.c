@@ -1,6 +1,7 @@
 /*
-  Options of multigrid on coarser lattices (levels/), and PETSc's options that follow from them.
+  Options of multigrid on coarser lattices and lower orders (levels/), and PETSc's options that follow from them.
 */
+#include "grid/shape.h"
 #include "options/database.h"
 #include "options/options.h"
 #include "assembly/sparsity.h"
@@ -18,7 +19,7 @@ static PetscErrorCode ReadLevels(MpmMultigrid *multigrid, const MpmOptions *opti
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsText(options, "multigrid_levels",
-                           "levels of solver: hmg, the finest one included; auto: until a level has 3000 unknowns",
+                           "levels of solver: hmg, pmg, the finest one included; auto: until a level has 3000 unknowns",
                            "auto", MPM_OPTIONAL, &text));
   multigrid->levels.levels = 0;
   if (text && strcmp(text, "auto"))
@@ -29,12 +30,73 @@ static PetscErrorCode ReadLevels(MpmMultigrid *multigrid, const MpmOptions *opti
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMultigridSetFromOptions(MpmMultigrid *multigrid, const MpmOptions *options)
+PetscBool MpmMultigridIs(const char name[])
 {
+  return (PetscBool)(!strcmp(name, "hmg") || !strcmp(name, "pmg"));
+}
+
+/* Orders from that of the shape down, out of a text such as 4,2,1. */
+static PetscErrorCode ParseOrders(const char text[], PetscInt finest, MpmLevelsChoice *levels)
+{
+  char **word;
+  int    words;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscStrToArray(text, ',', &words, &word));
+  for (int k = 0; k < words; k++) {
+    const PetscInt above = k ? levels->order[k - 1] : finest + 1;
+    PetscInt       order;
+
+    MpmCheckInput(
+      MpmParseInt(word[k], &order) && order >= 1 && order < above && (k || order == finest),
+      "-mpm_multigrid_order %s: must be auto or orders that decrease from that of -mpm_shape, %" PetscInt_FMT
+      ", to 1 at least",
+      text, finest);
+    levels->order[k] = order;
+    levels->orders   = k + 1;
+  }
+  PetscCall(PetscStrToArrayDestroy(words, word));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Orders of the first levels: those given, or halved. */
+static PetscErrorCode ReadOrders(MpmSolver *solver, const MpmOptions *options)
+{
+  MpmLevelsChoice *levels = &solver->multigrid.levels;
+  const PetscInt   finest = MpmShapeOrder(levels->shape);
+  const PetscBool  pmg    = (PetscBool)!strcmp(solver->preset.name, "pmg");
+  char            *text;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsText(options, "multigrid_order",
+                           "solver: pmg: orders of the elements of the first levels, from that of the shape down; "
+                           "auto: halved, 4,2,1 or 3,1 or 2,1",
+                           "auto", MPM_OPTIONAL, &text));
+  MpmCheckInput(!pmg || finest > 1 || MpmOptionsHelp(),
+                "-mpm_solver pmg: needs -mpm_shape element or gimp_element of order 2 to 4, must be hmg with "
+                "-mpm_shape %s",
+                MpmShapeName(levels->shape));
+  levels->order[0] = finest;
+  levels->orders   = 1;
+  if (text && strcmp(text, "auto")) {
+    MpmCheckInput(pmg, "-mpm_multigrid_order %s: must be given with -mpm_solver pmg only", text);
+    PetscCall(ParseOrders(text, finest, levels));
+  } else {
+    for (PetscInt order = finest / 2; pmg && order >= 1; order /= 2) levels->order[levels->orders++] = order;
+  }
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMultigridSetFromOptions(MpmSolver *solver, const MpmOptions *options)
+{
+  MpmMultigrid *multigrid = &solver->multigrid;
+
   PetscFunctionBeginUser;
   multigrid->smooths        = 3;
   multigrid->levels.coarsen = 2;
   PetscCall(ReadLevels(multigrid, options));
+  PetscCall(ReadOrders(solver, options));
   PetscCall(
     MpmOptionsInt(options, "multigrid_coarsen",
                   "cells an axis that become one on the next level; with 3 levels of quadratic splines are nested", 2,
@@ -72,7 +134,8 @@ PetscErrorCode MpmMultigridApply(MpmSolver *solver)
 
   PetscFunctionBeginUser;
   MpmCheckInput(!strcmp(solver->jacobian.mat_type, MATAIJ),
-                "-mpm_mat_type %s: not available with -mpm_solver hmg, must be " MATAIJ, solver->jacobian.mat_type);
+                "-mpm_mat_type %s: not available with -mpm_solver %s, must be " MATAIJ, solver->jacobian.mat_type,
+                solver->preset.name);
   PetscCall(PetscSNPrintf(smooths, sizeof(smooths), "%" PetscInt_FMT, multigrid->smooths));
   PetscCall(MpmDatabaseDefault("-mg_levels_ksp_max_it", smooths));
   PetscCall(ApplySmoother(solver));

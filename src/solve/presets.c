@@ -249,8 +249,8 @@ PetscErrorCode MpmPresetApply(MpmSolver *solver, PetscReal unknowns, PetscBool i
   if (!strcmp(name, "auto")) PetscCall(ChooseSolver(solver, unknowns, &name));
   direct = (PetscBool)!strcmp(name, "direct");
   if (!strcmp(name, "poro-fieldsplit")) PetscCall(TuneFieldsplit(contacts));
-  if (!strcmp(name, "hmg")) PetscCall(MpmMultigridApply(solver));
-  if ((!strcmp(name, "amg") || !strcmp(name, "hmg")) && !solver->definite.symmetric)
+  if (MpmMultigridIs(name)) PetscCall(MpmMultigridApply(solver));
+  if ((!strcmp(name, "amg") || MpmMultigridIs(name)) && !solver->definite.symmetric)
     PetscCall(TuneMultigrid(solver, contacts));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++)
     if (!strcmp(presets[k].name, name)) PetscCall(ApplyPreset(presets[k].text));

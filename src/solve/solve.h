@@ -204,9 +204,10 @@ PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver);
 PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split);
 /*
   Multigrid on coarser lattices (multigrid.c). Apply: PETSc's options that follow from those of the scene. Attach: nodes
-  of the step, for a new preconditioner of that kind.
+  of the step, for a new preconditioner of that kind. Is: true for the name of a preset with it.
 */
-PetscErrorCode MpmMultigridSetFromOptions(MpmMultigrid *multigrid, const MpmOptions *options);
+PetscBool      MpmMultigridIs(const char name[]);
+PetscErrorCode MpmMultigridSetFromOptions(MpmSolver *solver, const MpmOptions *options);
 PetscErrorCode MpmMultigridApply(MpmSolver *solver);
 PetscErrorCode MpmMultigridAttach(MpmSolver *solver);
 /* The residual that tolerances refer to: that at the step's start. */

@@ -143,7 +143,7 @@ PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *opti
                            &solver->cache.reuse.allowed, NULL));
   PetscCall(MpmOptionsBool(options, "matfree_tangents", "keep the points' tangents for jacobian: matfree",
                            &solver->jacobian.keeps_tangents, NULL));
-  PetscCall(MpmMultigridSetFromOptions(&solver->multigrid, options));
+  PetscCall(MpmMultigridSetFromOptions(solver, options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,6 @@
 /*
-  Splines of a coarse lattice as sums of those of a fine one: the same values and derivatives at any point, for each
-  shape, domain, edge and ratio in which they are nested. The coarse operator at the points then is P^T A P.
+  Splines and elements of a coarse lattice as sums of those of a fine one: the same values and derivatives at any point,
+  for each shape, domain, edge and ratio in which they are nested. The coarse operator at the points then is P^T A P.
 */
 #include "grid/shape.h"
 #include "levels/two_scale.h"
@@ -96,9 +96,50 @@ START_TEST(uneven)
 }
 END_TEST
 
+/* Values at a place of the functions of all nodes of elements, in fine cells. */
+static void EvaluateElements(PetscInt order, PetscReal x, PetscReal half, PetscInt ratio, PetscReal w[])
+{
+  PetscReal          weight[WIDE], gradient[WIDE];
+  MpmShapeLine       line = {.weight = weight, .gradient = gradient};
+  const MpmShapeType type = MpmShapeOfWord(half > 0. ? 6 : 5, order);
+
+  for (PetscInt k = 0; k <= 4 * CELLS; k++) w[k] = 0.;
+  MpmShapeEvaluate(type, MPM_EDGE_LINEAR, x / ratio, half / ratio, 0, CELLS / ratio, &line);
+  for (PetscInt k = 0; k < line.count; k++) w[line.first + k] = weight[k];
+}
+
+/* Elements by lower orders and by larger cells, sampled and averaged over domains. */
+START_TEST(elements)
+{
+  for (PetscInt k = 0; k < 4 * 4 * 3 * 2; k++) {
+    const MpmElementScale relation = {k % 4 + 1, k / 4 % 4 + 1, k / 16 % 3 + 1, CELLS};
+    PetscReal             worst    = 0.;
+
+    for (PetscInt i = 0; i <= 300 && relation.coarse <= relation.fine; i++) {
+      const PetscReal half = k / 48 ? 0.13 + 0.3 * (i % 7) / 7. : 0., x = half + (CELLS - 2. * half) * i / 300.;
+      PetscReal       w[4 * CELLS + 1], W[4 * CELLS + 1];
+
+      EvaluateElements(relation.fine, x, half, 1, w);
+      EvaluateElements(relation.coarse, x, half, relation.ratio, W);
+      for (PetscInt node = 0; node <= relation.fine * CELLS; node++) {
+        PetscReal      share[MPM_TWO_SCALE_MOST];
+        PetscInt       first;
+        const PetscInt count = MpmElementScaleRow(&relation, node, &first, share);
+
+        for (PetscInt j = 0; j < count; j++) W[first + j] -= share[j] * w[node];
+      }
+      for (PetscInt node = 0; node <= relation.coarse * CELLS / relation.ratio; node++)
+        worst = PetscMax(worst, PetscAbsReal(W[node]));
+    }
+    ck_assert_msg(worst < 1e-13, "order %d by %d, ratio %d: %g", (int)relation.fine, (int)relation.coarse,
+                  (int)relation.ratio, (double)worst);
+  }
+}
+END_TEST
+
 int main(int argc, char **argv)
 {
-  const TTest *const tests[] = {nested, not_nested, uneven};
+  const TTest *const tests[] = {nested, not_nested, uneven, elements};
 
   return UnitRun(&argc, &argv, "two-scale relations", sizeof(tests) / sizeof(tests[0]), tests);
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Multigrid on coarser lattices: few iterations that do not grow with the grid, whatever the shape, and the answer of a direct
+"""Multigrid on coarser lattices, and on elements of lower order: few iterations that do not grow with the grid, whatever the shape, and the answer of a direct
 solver, on any number of ranks; with inclined rollers, contact, small cuts and cells that do not divide; coarse operators without a matrix; refused settings."""
 import sys
 from pathlib import Path
@@ -11,6 +11,8 @@ from talus_test import Test, example  # noqa: E402
 
 BLOCK = Path(__file__).resolve().parent / "levels.yaml"
 HMG = {"mpm_solver": "hmg"}
+PMG = {"mpm_solver": "pmg"}
+ELEMENTS = {"mpm_shape": "gimp_element", "mpm_order": 2, "mpm_body_block_points_per_cell": "3,3,3"}
 SHAPES = (("linear", 8, {}), ("gimp_bspline2", 30, {"mpm_multigrid_coarsen": 3}))
 
 
@@ -52,7 +54,7 @@ def coarse_operator(test, **options):
     """The coarsest level's matrix of a run, {(row, column): value}, and the shape of the matrix."""
     file = test.folder() / "coarse"
     test.run(BLOCK, mg_coarse_ksp_view_mat=f"binary:{file}", mpm_multigrid_levels=3, mpm_material_rock_type="linear_elastic",
-             **options, **HMG)
+             **{**HMG, **options})
     data = file.read_bytes()
     _, rows, columns, entries = np.frombuffer(data, ">i4", 4)
     counts = np.frombuffer(data, ">i4", rows, 16)
@@ -65,15 +67,36 @@ def coarse_operator(test, **options):
 def operators(test):
     """Without a matrix the coarse operators are summed from element blocks; they are P^T A P."""
     for name, options in (("moved", {}), ("penalty", {"mpm_stabilization_ghost": 0.1, "mpm_shape": "bspline2"}),
+                          ("elements", {**ELEMENTS, **PMG}),
                           ("inertia", {"mpm_time_integrator": "backward_euler", "mpm_time_step": 0.01, "mpm_time_end": 0.02})):
         assembled, summed = (coarse_operator(test, mpm_jacobian=form, **options) for form in ("local", "matfree"))
         test.check(f"operators.{name}", np.max(np.abs(assembled - summed)) / np.max(np.abs(assembled)), None, 1e-12)
 
 
+def elements(test):
+    """Orders of elements, then larger cells: the answer of a direct solver, by few iterations; with contact on 3 ranks."""
+    whole = {"mpm_grid_cells": "3,3,3", "mpm_body_block_lower": "0.5,0.5,0", "mpm_body_block_upper": "1,1,1", "mpm_time_step_min": 1}
+    for order, shape, points, most, options in ((2, "gimp_element", "3,3,3", 12, {}), (3, "element", "4,4,4", 16, whole),
+                                                (4, "gimp_element", "6,6,6", 14, whole)):
+        common = {"mpm_shape": shape, "mpm_order": order, "mpm_body_block_points_per_cell": points, "ksp_rtol": 1e-8, **options}
+        direct, pmg = (test.run(BLOCK, mpm_solver=solver, **common) for solver in ("direct", "pmg"))
+        test.check(f"order{order}.direct", apart(direct, pmg), None, 1e-9)
+        test.check(f"order{order}.iterations", iterations(pmg), None, most)
+        if order == 2:
+            for name, more in (("matfree", {"mpm_jacobian": "matfree"}), ("hmg", {"mpm_solver": "hmg"})):
+                test.check(f"order2.{name}", apart(direct, test.run(BLOCK, **{**PMG, **common, **more})), None, 1e-9)
+            three = test.run(BLOCK, ranks=3, **common, **PMG)
+            test.check("order2.on_3", apart(direct, three), None, 1e-9)
+            test.check("order2.on_3.iterations", iterations(three) - iterations(pmg), None, 1)
+
+
 def scenes(test):
     """Rollers at an angle, and contact with a Jacobian that is not symmetric: as many Newton iterations as a direct solver."""
-    for name, scene, options in (("rollers", BLOCK.parent / "rollers.yaml", {}), ("two_supports", example("two_supports"), {})):
-        one, other = (test.run(scene, mpm_solver=solver, **options) for solver in ("direct", "hmg"))
+    for name, scene, solver, options in (("rollers", BLOCK.parent / "rollers.yaml", "hmg", {}),
+                                         ("two_supports", example("two_supports"), "hmg", {}),
+                                         ("two_supports_elements", example("two_supports"), "pmg",
+                                          {"mpm_shape": "gimp_element", "mpm_order": 2})):
+        one, other = (test.run(scene, mpm_solver=which, **options) for which in ("direct", solver))
         test.check(f"{name}.newton", np.sum(other.results.column("newton")) / np.sum(one.results.column("newton")), None, 1.5)
         test.check(f"{name}.iterations", iterations(other), None, 25)
 
@@ -86,11 +109,17 @@ def refused(test):
                                  ("mat_type", "baij", "not available with -mpm_solver hmg")):
         run = test.run(BLOCK, status=2, **{f"mpm_{name}": value}, **HMG)
         test.check(f"{name}.{value}", message in run.errors, True, True)
+    for value, message, options in (("2,2", "must be auto or orders that decrease", ELEMENTS), ("3,1", "orders that decrease", ELEMENTS),
+                                    ("2,0", "orders that decrease", ELEMENTS), ("2,1", "needs -mpm_shape element", {}),
+                                    ("2,1", "only", {**ELEMENTS, **HMG})):
+        run = test.run(BLOCK, status=2, mpm_multigrid_order=value, **{**PMG, **options})
+        test.check(f"order.{value}.{message}", message in run.errors, True, True)
 
 
 with Test() as harness:
     grids(harness)
     answers(harness)
     operators(harness)
+    elements(harness)
     scenes(harness)
     refused(harness)
