@@ -33,6 +33,7 @@
   (2003), Int. J. Numer. Meth. Eng. 57, 1323-1338, doi:10.1002/nme.729 (implicit dynamics with material points).
 */
 #include "point/layout.h"
+#include "grid/grid.h"
 #include "particles/particles.h"
 #include "space/space.h"
 #include "space/sum.h"
@@ -190,6 +191,21 @@ static PetscErrorCode EndConstrained(MpmModel model, PetscReal time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Nodal values of elements from `means`, the points' momentum over a lumped mass of any sign. */
+static PetscErrorCode SolveMass(MpmModel model, const PetscReal means[], PetscReal values[])
+{
+  const PetscInt dim = model->disc.dim, count = model->state.scheme.dynamics->local * dim;
+  PetscReal     *right;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1(count, &right));
+  for (PetscInt k = 0; k < count; k++) right[k] = model->disc.context.inertia->mass[k / dim] * means[k];
+  PetscCall(
+    MpmInertiaSolve(model->disc.context.inertia, model->disc.sum, model->disc.constraints, model->comm, right, values));
+  PetscCall(PetscFree(right));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   The step's mass. Where points get changes alone, all changes must reach them: otherwise the nodes' velocities, which
   are means of theirs, would be smoothed in each step anew, and lag by a fraction dt (w h)^2.
@@ -204,6 +220,11 @@ static PetscErrorCode SetMass(MpmModel model)
   inertia->consistent = (PetscBool)!motion->lumped;
   if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMassMatrixSetUp(&inertia->matrix, model->disc.sum));
+  if (model->disc.grid->order > 1) {
+    PetscCall(SolveMass(model, dynamics->v_old, dynamics->v_start));
+    PetscCall(SolveMass(model, dynamics->a_start, dynamics->a_start));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (motion->transfer.type != MPM_TRANSFER_FLIP) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmInertiaSharpen(inertia, model->disc.sum, model->disc.constraints, dynamics->v_start));
   PetscCall(MpmInertiaSharpen(inertia, model->disc.sum, model->disc.constraints, dynamics->a_start));
@@ -317,24 +338,14 @@ static PetscErrorCode GatherMass(MpmModel model, PetscReal mass[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  A stage's first acceleration is that of the forces at its beginning; it goes to the nodes by way of the points, for
-  nearly massless nodes.
-*/
-static PetscErrorCode FindAcceleration(MpmModel model)
+/* a_new of the residual, by lumped masses. */
+static PetscErrorCode AccelerateLumped(MpmModel model)
 {
-  const MpmTransfer only     = {.type = MPM_TRANSFER_FLIP};
-  MpmDynamics      *dynamics = model->state.scheme.dynamics;
-  const PetscInt    dim = model->disc.dim, count = dynamics->local * dim;
-  PetscReal        *mass = dynamics->v_new;
-  PetscInt          failed;
+  MpmDynamics   *dynamics = model->state.scheme.dynamics;
+  const PetscInt dim = model->disc.dim, count = dynamics->local * dim;
+  PetscReal     *mass = dynamics->v_new;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscArrayzero(model->disc.nodal.u, model->disc.context.inertia->local * model->disc.block));
-  PetscCall(MpmSumResidual(&model->solver, NULL, MPM_MODE_END, &failed));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
-  if (failed) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmNodesToGhosts(&model->disc, dim, model->disc.nodal.residual));
   MpmFramesToUnknowns(model->disc.constraints, dim, dynamics->local, model->disc.nodal.residual);
   PetscCall(GatherMass(model, mass));
   for (PetscInt k = 0; k < count; k++) {
@@ -344,6 +355,47 @@ static PetscErrorCode FindAcceleration(MpmModel model)
   }
   MpmFramesToAxes(model->disc.constraints, dim, dynamics->local, dynamics->a_new);
   MpmConstraintsExtend(model->disc.constraints, model->disc.space, dynamics->a_new);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* and by the consistent mass. */
+static PetscErrorCode AccelerateConsistent(MpmModel model)
+{
+  MpmDynamics   *dynamics = model->state.scheme.dynamics;
+  const PetscInt count    = dynamics->local * model->disc.dim;
+  PetscReal     *force    = dynamics->v_new;
+
+  PetscFunctionBeginUser;
+  model->disc.context.inertia->consistent = PETSC_TRUE;
+  PetscCall(MpmMassMatrixSetUp(&model->disc.context.inertia->matrix, model->disc.sum));
+  for (PetscInt k = 0; k < count; k++) {
+    force[k]           = -model->disc.nodal.residual[k];
+    dynamics->a_new[k] = 0.;
+  }
+  PetscCall(MpmInertiaSolve(model->disc.context.inertia, model->disc.sum, model->disc.constraints, model->comm, force,
+                            dynamics->a_new));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  A stage's first acceleration is that of the forces at its beginning; it goes to the nodes by way of the points, for
+  nearly massless nodes.
+*/
+static PetscErrorCode FindAcceleration(MpmModel model)
+{
+  const MpmTransfer only     = {.type = MPM_TRANSFER_FLIP};
+  MpmDynamics      *dynamics = model->state.scheme.dynamics;
+  const PetscInt    dim      = model->disc.dim;
+  PetscInt          failed;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(model->disc.nodal.u, model->disc.context.inertia->local * model->disc.block));
+  PetscCall(MpmSumResidual(&model->solver, NULL, MPM_MODE_END, &failed));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
+  if (failed) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmNodesToGhosts(&model->disc, dim, model->disc.nodal.residual));
+  if (model->disc.grid->order > 1) PetscCall(AccelerateConsistent(model));
+  else PetscCall(AccelerateLumped(model));
   MpmTermsTake(model->disc.terms, NULL, dynamics->a_new);
   PetscCall(
     MpmMotionToPoints(model->disc.sum, &only,

@@ -154,9 +154,11 @@ static PetscErrorCode ReadMotion(const MpmOptions *block, MpmMotionControl *moti
                              "cheaper, with more inertia against rotation",
                              masses, MPM_OPTIONAL, &mass, NULL));
   motion->lumped = (PetscBool)(mass == 1);
-  PetscCall(MpmOptionsWord(block, "transfer",
-                           "of velocities between points and nodes: apic keeps angular momentum, flip the most energy",
-                           MpmTransferTypes, MPM_OPTIONAL, &transfer, NULL));
+  PetscCall(
+    MpmOptionsWord(block, "transfer",
+                   "of velocities between points and nodes: apic (the default) keeps angular momentum, flip the most "
+                   "energy; elements of order 2 and more have flip",
+                   MpmTransferTypes, MPM_OPTIONAL, &transfer, NULL));
   motion->transfer.type = (MpmTransferType)transfer;
   PetscCall(CheckMethod(block, "pic", (PetscBool)(transfer == MPM_TRANSFER_FLIP), "transfer flip"));
   if (transfer == MPM_TRANSFER_FLIP || MpmOptionsHelp())

@@ -1,8 +1,9 @@
 /*
-  The scene's shape: its words, the order of elements, and what elements of higher order do not serve.
+  The scene's shape: its words, the order of elements, and the parts without elements of higher order.
 */
 #include "options/options.h"
 #include "point/layout.h"
+#include "bc/bc.h"
 #include "grid/grid.h"
 #include "grid/shape.h"
 #include "query/model.h"
@@ -33,6 +34,33 @@ PetscErrorCode MpmShapeRead(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Inertia with elements of order 2 and more, in the stages and where the step may be rescued. */
+static PetscErrorCode CheckInertia(const MpmModel model, const char *name)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+    const MpmTimeControl   *time   = &model->scene.stages.at[k].time;
+    const MpmMotionControl *motion = &time->motion;
+
+    MpmCheckInput(motion->type != MPM_EXPLICIT && !time->rescue,
+                  "-mpm_time_%s: not available with -mpm_shape %s, whose lumped masses are negative in cells that "
+                  "material fills in part; needs order 1, or implicit steps",
+                  time->rescue ? "rescue relaxation" : "integrator explicit", name);
+    if (motion->type == MPM_QUASISTATIC) continue;
+    MpmCheckInput(!motion->lumped, "-mpm_time_mass lumped: must be consistent with -mpm_shape %s", name);
+    MpmCheckInput(motion->transfer.type == MPM_TRANSFER_FLIP,
+                  "-mpm_time_transfer apic: must be flip with -mpm_shape %s", name);
+    MpmCheckInput(motion->damping.mass == 0., "-mpm_time_damping_mass %g: must be 0 with -mpm_shape %s",
+                  (double)motion->damping.mass, name);
+    MpmCheckInput(time->error == 0., "-mpm_time_error %g: not available with inertia and -mpm_shape %s",
+                  (double)time->error, name);
+    for (PetscInt b = 0; b < model->scene.bcs->count; b++)
+      MpmCheckInput(!model->scene.bcs->at[b].absorbing, "-mpm_bc_%s_absorbing: not available with -mpm_shape %s",
+                    model->scene.bcs->names[b], name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmShapeCheck(const MpmModel model)
 {
   const MpmShapeType shape = model->scene.shape.type;
@@ -40,16 +68,14 @@ PetscErrorCode MpmShapeCheck(const MpmModel model)
 
   PetscFunctionBeginUser;
   if (MpmShapeOrder(shape) == 1 || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(model->disc.layout->traits.solid, "-mpm_shape %s: not available for physics %s, must be of order 1",
-                name, model->scene.physics.name);
-  MpmCheckInput(
-    !MpmStagesAreDynamic(model),
-    "-mpm_shape %s: not available with inertia, where its nodes may have negative masses; must be of order 1", name);
+  MpmCheckInput(model->disc.layout->traits.solid || model->disc.layout->traits.biot ||
+                  model->disc.layout->traits.alternate,
+                "-mpm_shape %s: not available for physics %s, must be of order 1", name, model->scene.physics.name);
+  PetscCall(CheckInertia(model, name));
   MpmCheckInput(model->scene.stabilization.smooth == 0.,
                 "-mpm_stabilization_smooth %g: must be auto or 0 with -mpm_shape %s",
                 (double)model->scene.stabilization.smooth, name);
   MpmCheckInput(!model->scene.stabilization.fbar_spread,
                 "-mpm_stabilization_fbar spread: must be auto, true, false or plain with -mpm_shape %s", name);
-  MpmCheckInput(!model->gradient, "-mpm_shape %s: not available with derivatives of a run, must be of order 1", name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,6 +4,7 @@
 #include "options/options.h"
 #include "point/material.h"
 #include "rigid/rigid.h"
+#include "grid/shape.h"
 #include "query/model.h"
 #include "scene/integrator_read.h"
 #include "scene/time_read.h"
@@ -109,6 +110,7 @@ PetscErrorCode MpmSceneTimeRead(MpmModel model, const MpmOptions *options, MpmTi
   PetscFunctionBeginUser;
   *control = (MpmTimeControl){.end = 1., .growth = 2.};
   MpmMotionDefaults(&control->motion);
+  if (MpmShapeOrder(model->scene.shape.type) > 1) control->motion.transfer.type = MPM_TRANSFER_FLIP;
   PetscCall(MpmOptionsHeading(&block, "Time"));
   PetscCall(MpmOptionsHas(&block, "step", &given));
   if (given || !model->scene.stages.at[0].name || MpmOptionsHelp())

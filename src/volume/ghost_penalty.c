@@ -132,28 +132,78 @@ static PetscReal Factor(const MpmSum *sum, const MpmFace *face, PetscInt c)
   return turn * face->gamma * (PetscAbsReal(factor[0]) < PetscAbsReal(factor[1]) ? factor[0] : factor[1]);
 }
 
+/* y += factor times the face's matrix, on component c of the values u of the local nodes, `bs` a node. */
+static void AddFace(const MpmSpace *space, PetscInt f, PetscInt c, PetscInt bs, PetscReal factor, const PetscReal u[],
+                    PetscReal y[])
+{
+  const MpmFace  *face = &space->boxes.faces.face[f];
+  const MpmGroup *box  = &space->groups[space->boxes.faces.begin + f];
+  const PetscInt  n = box->node_count, *nodes = &space->group_nodes[box->node_offset];
+  PetscReal       value[2][MPM_FACE_NODES];
+  PetscInt        before = 1, now = 0;
+
+  for (PetscInt i = 0; i < n; i++) value[0][i] = u[nodes[i] * bs + c];
+  for (PetscInt a = 0; a < space->dim; before *= box->count[a], a++, now = !now)
+    AxisApply(before, box->count[a], n / (before * box->count[a]), face->along[a], value[now], value[!now]);
+  for (PetscInt i = 0; i < n; i++) y[nodes[i] * bs + c] += factor * value[now][i];
+}
+
 /* Linear: the residual of u is the action on it. */
 static PetscErrorCode AddForces(const MpmSum *sum, const PetscReal u[], PetscReal residual[])
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  bs = sum->block, dim = space->dim, components = Components(sum);
-  PetscReal       value[2][MPM_FACE_NODES];
+
+  PetscFunctionBeginUser;
+  for (PetscInt f = 0; f < space->boxes.faces.count; f++)
+    for (PetscInt c = 0; c < Components(sum); c++)
+      AddFace(space, f, c, sum->block, Factor(sum, &space->boxes.faces.face[f], c), u, residual);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The diagonal of a face's matrix at node i of its box. */
+static PetscReal FaceDiagonal(const MpmSpace *space, PetscInt f, PetscInt i)
+{
+  const MpmFace  *face  = &space->boxes.faces.face[f];
+  const PetscInt *count = space->groups[space->boxes.faces.begin + f].count;
+  PetscReal       value = 1.;
+
+  for (PetscInt a = 0; a < space->dim; i /= count[a], a++) value *= face->along[a][(i % count[a]) * (count[a] + 1)];
+  return value;
+}
+
+/* gamma rho h^2, kg/m: of the lighter side, so that the penalty is small beside the mass. */
+static PetscReal MassFactor(const MpmSum *sum, const MpmFace *face)
+{
+  const PetscReal density =
+    PetscMin(sum->materials[face->material[0]].density, sum->materials[face->material[1]].density);
+
+  return Turn(sum, face) * face->gamma * density * PetscSqr(sum->cell[face->axis]);
+}
+
+PetscErrorCode MpmGhostMass(const MpmSum *sum, const PetscReal a[], PetscReal y[])
+{
+  const MpmSpace *space = sum->space;
+
+  PetscFunctionBeginUser;
+  for (PetscInt f = 0; f < space->boxes.faces.count; f++)
+    for (PetscInt c = 0; c < space->dim; c++)
+      AddFace(space, f, c, space->dim, MassFactor(sum, &space->boxes.faces.face[f]), a, y);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGhostMassDiagonal(const MpmSum *sum, PetscReal diagonal[])
+{
+  const MpmSpace *space = sum->space;
+  const PetscInt  dim   = space->dim;
 
   PetscFunctionBeginUser;
   for (PetscInt f = 0; f < space->boxes.faces.count; f++) {
-    const MpmFace  *face = &space->boxes.faces.face[f];
-    const MpmGroup *box  = &space->groups[space->boxes.faces.begin + f];
-    const PetscInt  n = box->node_count, *nodes = &space->group_nodes[box->node_offset];
+    const MpmGroup *box    = &space->groups[space->boxes.faces.begin + f];
+    const PetscInt *nodes  = &space->group_nodes[box->node_offset];
+    const PetscReal factor = MassFactor(sum, &space->boxes.faces.face[f]);
 
-    for (PetscInt c = 0; c < components; c++) {
-      const PetscReal factor = Factor(sum, face, c);
-      PetscInt        before = 1, now = 0;
-
-      for (PetscInt i = 0; i < n; i++) value[0][i] = u[nodes[i] * bs + c];
-      for (PetscInt a = 0; a < dim; before *= box->count[a], a++, now = !now)
-        AxisApply(before, box->count[a], n / (before * box->count[a]), face->along[a], value[now], value[!now]);
-      for (PetscInt i = 0; i < n; i++) residual[nodes[i] * bs + c] += factor * value[now][i];
-    }
+    for (PetscInt k = 0; k < box->node_count * dim; k++)
+      diagonal[nodes[k / dim] * dim + k % dim] += factor * FaceDiagonal(space, f, k / dim);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -176,11 +226,8 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
                     other     = components > dim ? Factor(sum, face, dim) / stiffness : 0.;
 
     for (PetscInt i = 0; i < box->node_count; i++) {
-      PetscReal value = stiffness;
-      PetscInt  k     = i;
+      const PetscReal value = stiffness * FaceDiagonal(space, f, i);
 
-      for (PetscInt a = 0; a < dim; k /= box->count[a], a++)
-        value *= face->along[a][(k % box->count[a]) * (box->count[a] + 1)];
       for (PetscInt c = 0; c < components; c++) blocks[(nodes[i] * bs + c) * bs + c] += c < dim ? value : other * value;
     }
   }

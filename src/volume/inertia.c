@@ -50,8 +50,7 @@ MPM_INLINE void Multiply(PetscInt dim, const MpmMassMatrix *mass, const PetscRea
   }
 }
 
-/* y += M a, of values at the local nodes, dim a node; the rows of ghosts have this rank's contribution. */
-static PetscErrorCode MassTimes(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[])
+PetscErrorCode MpmInertiaTimes(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[])
 {
   const PetscInt dim = sum->space->dim;
 
@@ -59,6 +58,20 @@ static PetscErrorCode MassTimes(const MpmInertia *inertia, const MpmSum *sum, co
   for (PetscInt i = FirstLumped(inertia, sum->space); i < sum->space->owned; i++)
     for (PetscInt c = 0; c < dim; c++) y[i * dim + c] += inertia->mass[i] * a[i * dim + c];
   if (inertia->consistent) MPM_BY_DIM(dim, Multiply, &inertia->matrix, a, y);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmInertiaDiagonal(const MpmInertia *inertia, const MpmSum *sum, PetscReal diagonal[])
+{
+  const MpmMassMatrix *mass = &inertia->matrix;
+  const PetscInt       dim  = sum->space->dim;
+
+  PetscFunctionBeginUser;
+  for (PetscInt i = FirstLumped(inertia, sum->space); i < sum->space->owned; i++)
+    for (PetscInt c = 0; c < dim; c++) diagonal[i * dim + c] += inertia->mass[i];
+  for (PetscInt i = 0; inertia->consistent && i < mass->nodes; i++)
+    for (PetscInt k = mass->start[i]; k < mass->start[i + 1]; k++)
+      for (PetscInt c = 0; c < dim && mass->column[k] == i; c++) diagonal[i * dim + c] += mass->value[k];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -70,7 +83,7 @@ PetscErrorCode MpmInertiaSharpen(const MpmInertia *inertia, const MpmSum *sum, c
 
   PetscFunctionBeginUser;
   PetscCall(PetscCalloc1(count, &moved));
-  PetscCall(MassTimes(inertia, sum, values, moved));
+  PetscCall(MpmInertiaTimes(inertia, sum, values, moved));
   PetscCall(MpmSpaceAddToOwners(sum->space, dim, moved));
   PetscCall(MpmSpaceToGhosts(sum->space, dim, moved));
   for (PetscInt k = 0; k < count; k++) {
@@ -100,7 +113,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   if (!inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(count, &a));
   for (PetscInt k = 0; k < count; k++) a[k] = inertia->factor * u[k] + inertia->at_rest[k];
-  PetscCall(MassTimes(inertia, sum, a, residual));
+  PetscCall(MpmInertiaTimes(inertia, sum, a, residual));
   PetscCall(PetscFree(a));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -117,7 +130,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
   if (!inertia->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(count, &a));
   for (PetscInt k = 0; k < count; k++) a[k] = inertia->factor * du[k];
-  PetscCall(MassTimes(inertia, sum, a, y));
+  PetscCall(MpmInertiaTimes(inertia, sum, a, y));
   PetscCall(PetscFree(a));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -29,6 +29,25 @@ struct MpmInertia {
 PetscErrorCode MpmInertiaReset(MpmInertia *inertia);
 /* Room for the local nodes of the space. */
 PetscErrorCode MpmInertiaResize(MpmInertia *inertia, const MpmSpace *space);
+/* y += M a, of values at the local nodes, dim a node; the rows of ghosts have this rank's contribution. */
+PetscErrorCode MpmInertiaTimes(const MpmInertia *inertia, const MpmSum *sum, const PetscReal a[], PetscReal y[]);
+/* Adds the diagonal of M, likewise. */
+PetscErrorCode MpmInertiaDiagonal(const MpmInertia *inertia, const MpmSum *sum, PetscReal diagonal[]);
+/*
+  Nodal velocities or accelerations from momentum or forces, where lumped masses may be negative (mass_solve.c)
+
+  Collective on `comm`
+
+  Input Parameters:
++ inertia     - with a consistent mass
+. right       - sums over the points, kg m/s or N, dim values a local node; those of the owned ones are taken
+- constraints - of the step
+
+  Input and output parameter:
+. values - m/s or m/s2, dim a local node: constrained unknowns keep theirs
+*/
+PetscErrorCode MpmInertiaSolve(const MpmInertia *inertia, const MpmSum *sum, const MpmConstraints *constraints,
+                               MPI_Comm comm, const PetscReal right[], PetscReal values[]);
 /*
   Corrects nodal values that are means of the points', weighted by mass: free components come closer to those with the
   points' momentum by the consistent mass, M v = sum_p m_p w_p v_p. This is the first correction of Richardson's

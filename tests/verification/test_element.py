@@ -14,7 +14,7 @@ COARSE = {"mpm_output_every": 1000, "mpm_quiet": None, "mpm_grid_cells": "30,30"
 REFUSED = {"zero": ({"mpm_order": 0}, "-mpm_order 0: must lie in [1, 4]"),
            "five": ({"mpm_order": 5}, "-mpm_order 5: must lie in [1, 4]"),
            "spline": ({"mpm_shape": "bspline2", "mpm_order": 2}, "only with element or gimp_element"),
-           "inertia": ({"mpm_time_integrator": "generalized_alpha"}, "not available with inertia")}
+           "explicit": ({"mpm_time_integrator": "explicit"}, "lumped masses are negative")}
 
 
 def same(test, name, one, other, bound):
