@@ -13,8 +13,7 @@ COARSE = {"mpm_output_every": 1000, "mpm_quiet": None, "mpm_grid_cells": "30,30"
           "mpm_time_end": 0.5, "snes_rtol": 1e-11}
 REFUSED = {"zero": ({"mpm_order": 0}, "-mpm_order 0: must lie in [1, 4]"),
            "five": ({"mpm_order": 5}, "-mpm_order 5: must lie in [1, 4]"),
-           "spline": ({"mpm_shape": "bspline2", "mpm_order": 2}, "only with element or gimp_element"),
-           "explicit": ({"mpm_time_integrator": "explicit"}, "lumped masses are negative")}
+           "spline": ({"mpm_shape": "bspline2", "mpm_order": 2}, "only with element or gimp_element")}
 
 
 def same(test, name, one, other, bound):
