@@ -121,6 +121,10 @@ PetscErrorCode MpmBedRead(const MpmOptions *options, const PetscReal lower[], co
                            "bed bends; pressure has its part of the pressure and of friction, too",
                            curvatures, MPM_OPTIONAL, &curvature, NULL));
   bed->curvature = (MpmBedCurvature)curvature;
+  PetscCall(MpmOptionsReal(&terrain, "viscosity", "-",
+                           "factor of the friction of columns with the flow about them, as the subgridMixingFactor of "
+                           "com1DFA, 100 there",
+                           MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &bed->viscosity, NULL));
   MpmCheckInput(bed->normal || !curvature || MpmOptionsHelp(), "-mpm_curvature %s: is an option of -mpm_slope normal",
                 curvatures[curvature]);
   MpmCheckInput(!given || !bed->file || MpmOptionsHelp(), "-mpm_bed: -mpm_terrain_file has the bed");

@@ -18,13 +18,14 @@ struct MpmBed {
   MpmMap          change; /* height added since the start, m, at the grid's nodes; without pixels: none */
   char           *file, *project;
   MpmBedCurvature curvature;
-  PetscBool       normal;  /* lengths, depth and pressure count along and normal to the bed */
-  PetscBool       outflow; /* material on pixels without data has left; otherwise it ends the run */
-  char           *missing; /* of each pixel: it has no data, and a value from beside; NULL: there is none */
+  PetscReal       viscosity; /* factor of lateral friction (terrain/bed_mixing.c) */
+  PetscBool       normal;    /* lengths, depth and pressure count along and normal to the bed */
+  PetscBool       outflow;   /* material on pixels without data has left; otherwise it ends the run */
+  char           *missing;   /* of each pixel: it has no data, and a value from beside; NULL: there is none */
 };
 
 /*
-  Reads -mpm_terrain_file, or -mpm_bed, and -mpm_slope. The map must cover the rectangle.
+  Reads -mpm_terrain_file, or -mpm_bed, -mpm_slope, and -mpm_terrain_viscosity. The map must cover the rectangle.
 */
 PetscErrorCode MpmBedRead(const MpmOptions *options, const PetscReal lower[], const PetscReal upper[], MpmBed *bed);
 /* Reads the rectangle between the centres of the outer pixels of the terrain's map, before the grid is known. */

@@ -105,6 +105,8 @@ PetscErrorCode MpmBedWork(const void *ctx, const MpmSum *sum, const PetscReal at
                           MpmTermWork *work);
 /* Takes energy from oscillations of affine velocities at a step's end (bed_calm.c). */
 PetscErrorCode MpmBedCalm(const MpmBedFlow *flow, const MpmSum *sum);
+/* Lateral friction of the points with the flow about them, nodes displaced by u (bed_mixing.c). */
+PetscErrorCode MpmBedMix(const MpmBedFlow *flow, const MpmSum *sum, const PetscReal u[]);
 /* Turns the points' velocities with the bed on their way of the step (bed_turn.c). */
 void MpmBedTurn(const MpmSum *sum, const MpmBed *bed);
 /* Pressure of a point's depth along the bed over that of a fluid; 1 without internal friction (bed_earth.c). */

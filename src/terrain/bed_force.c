@@ -271,9 +271,10 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
 {
   const MpmBedFlow *flow = ctx;
 
-  (void)u, (void)particles;
+  (void)particles;
   PetscFunctionBeginUser;
   PetscCall(MpmBedCalm(flow, sum));
+  if (flow->bed->viscosity > 0.) PetscCall(MpmBedMix(flow, sum, u));
   if (flow->bed->curvature) MpmBedTurn(sum, flow->bed);
   PetscCall(MpmBedStraighten(sum));
   PetscFunctionReturn(PETSC_SUCCESS);

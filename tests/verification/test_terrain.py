@@ -158,6 +158,25 @@ def slide(test):
     test.check("slide.moves", float(state["position"][:, 0].mean()) - 60, 10, 60)
 
 
+def mixing(test):
+    """Lateral friction: columns that move among nodes which are held, and a slide with it on ranks."""
+    path = test.folder() / "mixing.yaml"
+    u, k, end = 3.0, 20.0, 0.5
+    body = BODY.format(name="left", lower=-2.0, upper=2.0, cell=0.5, depth=1.0).replace("material:", f'velocity: "{u!r},0", material:')
+    path.write_text(STRIP.format(slope="vertical", bed=0.0, lower=-2.0, upper=2.0, cell=0.5, material=WATER, names="left", cells=8,
+                                 bodies=body, end=end))
+    state = test.run(path, mpm_time_transfer="flip", mpm_terrain_viscosity=k, mpm_bc_west_upper="2,0.5").results.state("last")
+    speed = u / (1 + k * u * end / 0.125)  # the side of a base: 4 points a cell
+    test.check("mixing.flip", float(abs(state["velocity"][:, 0] / speed - 1).max()), 0, 1e-10)
+
+    path.write_text(SLIDE)
+    plain, mixed, ranks = (test.run(path, ranks=n, **options).results.state("last") for n, options in
+                           ((1, {}), (1, {"mpm_terrain_viscosity": 100}), (3, {"mpm_terrain_viscosity": 100})))
+    test.check("mixing.ranks", float(abs(ranks["position"] - mixed["position"]).max()), 0, 1e-9)
+    affine = [float((state["velocity_gradient"] ** 2).sum()) for state in (plain, mixed)]
+    test.check("mixing.affine", affine[1] / affine[0], 0.01, 0.9)
+
+
 def bumpy(x, y):
     return 0.2 * math.sin(2 * math.pi * x / 5) * math.cos(2 * math.pi * y / 3) + 0.1 * math.sin(2 * math.pi * x / 2.5 + 1)
 
@@ -239,6 +258,7 @@ with Test() as test:
         lake(test, "shore", shore, slope, 3)
 
     slide(test)
+    mixing(test)
     wedge(test)
 
     points = test.folder() / "points.csv"
@@ -251,4 +271,5 @@ with Test() as test:
     refuse(test, "law", "must be one of", mpm_material_mud_type="j2")
     refuse(test, "depth", "must be > 0", mpm_body_left_depth=-1)
     refuse(test, "varies", "must be a number or a map", mpm_material_mud_mu="0:0.1,10:0.5")
+    refuse(test, "viscosity", "must be >= 0", mpm_terrain_viscosity=-1)
     refuse(test, "xi", "xi", mpm_material_mud_type="voellmy", mpm_material_mud_xi=0, mpm_material_mud_mu=0.1)
