@@ -44,6 +44,8 @@ PetscErrorCode MpmRegionSetAbove(MpmRegion region, MpmRegion above);
 struct MpmVoxels *MpmRegionVoxels(MpmRegion region);
 /* Lends the outline of a region of type outline or raster, or NULL. */
 const struct MpmOutline *MpmRegionOutline(MpmRegion region);
+/* True of layers of ground, between lines or between maps. */
+PetscBool MpmRegionIsLayer(MpmRegion region);
 /* True where a layer has a lower end. */
 PetscBool MpmRegionIsBoundedBelow(MpmRegion region);
 /*
@@ -103,9 +105,3 @@ PetscErrorCode MpmRampReadTable(const MpmOptions *options, const char *name, Pet
 void MpmRampBounds(MpmRamp ramp, PetscReal *least, PetscReal *most);
 /* The time from which on the factor stays; minus infinity where it never changes. */
 PetscReal MpmRampLastChange(MpmRamp ramp);
-
-/*
-  Makes axis[0] of length one and the others from it, right-handed: axis[1] is the grid's axis behind the one along
-  which axis[0] is longest, less its component along axis[0]. PETSC_FALSE where axis[0] has no direction.
-*/
-PetscBool MpmAxesComplete(PetscInt dim, PetscReal (*axis)[MPM_MAX_DIM]);

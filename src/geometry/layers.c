@@ -56,6 +56,11 @@ PetscErrorCode MpmRegionSetAbove(MpmRegion region, MpmRegion above)
   const MpmPolyline *line = &above->layer.bottom;
 
   PetscFunctionBegin;
+  if (region->ground) {
+    MpmMapLayerSetAbove(region->ground, above->ground);
+    MpmRegionGroundBound(region);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmPolylineDestroy(&region->layer.top));
   region->layer.top.count = line->count;
   PetscCall(PetscMalloc1((2 * line->count + 1), &region->layer.top.at));
@@ -64,9 +69,14 @@ PetscErrorCode MpmRegionSetAbove(MpmRegion region, MpmRegion above)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool MpmRegionIsLayer(MpmRegion region)
+{
+  return (PetscBool)(region->type == MPM_REGION_LAYERS || region->ground);
+}
+
 PetscBool MpmRegionIsBoundedBelow(MpmRegion region)
 {
-  return (PetscBool)(region->layer.bottom.count > 0);
+  return (PetscBool)(region->layer.bottom.count > 0 || (region->ground && MpmMapLayerIsBoundedBelow(region->ground)));
 }
 
 PetscBool MpmLayerIsThere(MpmRegion region, PetscReal x, PetscInt side)

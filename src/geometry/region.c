@@ -11,7 +11,7 @@
               lower_z to upper_z where they are given
     layers    one layer of ground between the lines top and bottom (layers.c)
     outline   the polygons of a file (region_outline.c)
-    raster    of bodies of depth-averaged flow: as outline, or what a map of depths covers
+    raster    of bodies of depth-averaged flow: as outline, or what a map of depths covers; in 3D ground between maps
     voxels    of bodies: a lattice with labels from a file (voxels.c)
 
   All of them are cut to the box from clip_lower to clip_upper, where these are given: an octant of a sphere.
@@ -302,7 +302,8 @@ static void Unbound(MpmRegion region)
 static PetscErrorCode ReadClip(const MpmOptions *options, MpmRegion region)
 {
   PetscFunctionBegin;
-  if (region->type >= MPM_REGION_FILE || region->type == MPM_REGION_RASTER) PetscFunctionReturn(PETSC_SUCCESS);
+  if (region->type >= MPM_REGION_FILE || (region->type == MPM_REGION_RASTER && !region->ground))
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsReals(options, "clip_lower", "m", "the region ends at this lower corner", MPM_RANGE_ANY,
                             MPM_OPTIONAL, region->dim, region->clip[0], NULL));
   PetscCall(MpmOptionsReals(options, "clip_upper", "m", "the region ends at this upper corner", MPM_RANGE_ANY,
@@ -353,6 +354,7 @@ PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm)
                {MPM_REGION_CYLINDER, 3, "Regions of type cylinder, in 3D"},
                {MPM_REGION_POLYGON, 3, "Regions of type polygon; in 3D, a prism along z"},
                {MPM_REGION_OUTLINE, 3, "Regions of type outline: polygons of a file; in 3D, prisms along z"},
+               {MPM_REGION_RASTER, 3, "Regions of type raster in 3D: ground between maps"},
                {MPM_REGION_VOXELS, 3, "Regions of type voxels, of bodies: a lattice with labels"},
                {MPM_REGION_LAYERS, 3, "Regions of type layers; in 3D, a prism along z"}};
   const MpmOptions options = {comm, "mpm_BLOCK_", NULL};
@@ -366,6 +368,7 @@ PetscErrorCode MpmRegionPrintHelp(MPI_Comm comm)
     PetscCall(ReadGeometry(&options, &region));
     PetscCall(ReadClip(&options, &region));
     PetscCall(MpmVoxelsDestroy(&region.voxels));
+    PetscCall(MpmMapLayerDestroy(&region.ground));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -377,6 +380,7 @@ PetscErrorCode MpmRegionDestroy(MpmRegion *region)
   PetscCall(PetscFree((*region)->vertices));
   PetscCall(MpmVoxelsDestroy(&(*region)->voxels));
   PetscCall(MpmOutlineDestroy(&(*region)->outline));
+  PetscCall(MpmMapLayerDestroy(&(*region)->ground));
   PetscCall(MpmPolylineDestroy(&(*region)->layer.top));
   PetscCall(MpmPolylineDestroy(&(*region)->layer.bottom));
   PetscCall(PetscFree(*region));

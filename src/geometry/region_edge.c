@@ -94,7 +94,8 @@ PetscBool MpmRegionContains(MpmRegion region, const PetscReal x[])
     return MpmLayerContains(region, x);
   case MPM_REGION_OUTLINE:
   case MPM_REGION_RASTER:
-    return MpmRegionOutlineHolds(region, x);
+    return (PetscBool)(MpmRegionOutlineHolds(region, x) &&
+                       (!region->ground || MpmMapLayerHolds(region->ground, x, region->tolerance[2])));
   case MPM_REGION_VOXELS:
     return (PetscBool)(MpmVoxelsAt(region->voxels, x)->value >= 0);
   default:
@@ -172,6 +173,20 @@ static void CutByLayer(MpmRegion region, const PetscReal x[], Cut *cut)
   }
 }
 
+/* Surfaces of ground between maps. */
+static void CutByGround(MpmRegion region, const PetscReal x[], Cut *cut)
+{
+  for (PetscInt side = 0; side < 2; side++) {
+    const PetscReal sign = side ? 1. : -1.;
+    PetscReal       height, slope[2], length;
+
+    if (!MpmMapLayerSurface(region->ground, side, x, &height, slope)) continue;
+    length = sqrt(1. + slope[0] * slope[0] + slope[1] * slope[1]);
+    Nearer(region, (const PetscReal[]){-sign * slope[0] / length, -sign * slope[1] / length, sign / length},
+           sign * (height - x[2]) / length, PETSC_TRUE, cut);
+  }
+}
+
 PetscBool MpmRegionCut(MpmRegion region, const PetscReal x[], const PetscReal half[], PetscReal normal[],
                        PetscReal *depth)
 {
@@ -185,6 +200,7 @@ PetscBool MpmRegionCut(MpmRegion region, const PetscReal x[], const PetscReal ha
   }
   if (region->type == MPM_REGION_POLYGON) CutByPolygon(region, x, &cut);
   if (region->type == MPM_REGION_LAYERS) CutByLayer(region, x, &cut);
+  if (region->ground) CutByGround(region, x, &cut);
   if (region->type == MPM_REGION_CYLINDER) {
     for (PetscInt a = 0; a < dim; a++) {
       d[a] -= along * region->axis[a];

@@ -2,6 +2,8 @@
   Regions that are the polygons of a file.
 
     outline   path; polygons in the coordinate system of the terrain's map, if there is one; in 3D prisms along z
+
+  Regions of type raster may have none. In 3D they are ground between maps (maps/map_layer.h) above these polygons.
 */
 #include "options/options.h"
 #include "geometry/region_impl.h"
@@ -42,7 +44,35 @@ PetscErrorCode MpmRegionOutlineRead(const MpmOptions *options, MpmRegion region)
   if (region->type == MPM_REGION_OUTLINE && region->dim == 3) PetscCall(MpmPrismRead(options, region));
   if (path && !MpmOptionsHelp()) PetscCall(ReadFile(options, path, region));
   PetscCall(PetscFree(path));
+  if (region->type == MPM_REGION_RASTER && region->dim > 2) {
+    const PetscReal *window[2];
+    PetscBool        below;
+
+    PetscCall(MpmMapLayerRead(options, &region->ground));
+    MpmRecordWindow(options->record, &window[0], &window[1]);
+    for (PetscInt a = 0; window[0] && a < 2; a++) {
+      region->lower[a] = PetscMax(region->lower[a], window[0][a] - region->tolerance[a]);
+      region->upper[a] = PetscMin(region->upper[a], window[1][a] + region->tolerance[a]);
+    }
+    PetscCall(MpmOptionsHas(options, "below", &below));
+    if (!below && !MpmOptionsHelp()) MpmRegionGroundBound(region);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmRegionGroundBound(MpmRegion region)
+{
+  PetscReal lower[MPM_REGION_DIM], upper[MPM_REGION_DIM];
+
+  for (PetscInt a = 0; a < MPM_REGION_DIM; a++) {
+    lower[a] = region->lower[a] + region->tolerance[a];
+    upper[a] = region->upper[a] - region->tolerance[a];
+  }
+  MpmMapLayerBound(region->ground, lower, upper);
+  for (PetscInt a = 0; a < MPM_REGION_DIM; a++) {
+    region->lower[a] = PetscMax(lower[a], region->clip[0][a]) - region->tolerance[a];
+    region->upper[a] = PetscMin(upper[a], region->clip[1][a]) + region->tolerance[a];
+  }
 }
 
 const MpmOutline *MpmRegionOutline(MpmRegion region)

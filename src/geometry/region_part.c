@@ -234,6 +234,12 @@ PetscReal MpmRegionPart(MpmRegion region, const PetscReal lower[], const PetscRe
     if (!(low[a] < high[a])) return 0.;
     size *= high[a] - low[a];
   }
+  if (region->ground) {
+    const MpmOutline *outline   = MpmRegionOutline(region);
+    PetscReal         middle[2] = {0., 0.}, area = outline ? MpmRegionOutlinePart(region, low, high, middle) : 0.;
+
+    return MpmMapLayerPart(region->ground, outline, area, middle, low, high, centroid);
+  }
   if (region->type == MPM_REGION_OUTLINE) return MpmRegionOutlinePart(region, low, high, centroid) * (high[2] - low[2]);
   if (region->type == MPM_REGION_POLYGON || region->type == MPM_REGION_LAYERS) {
     const Moments part = PlanePart(region, low, high);
@@ -288,7 +294,9 @@ PetscBool MpmRegionIsNearEdge(MpmRegion region, const PetscReal x[], PetscReal d
   case MPM_REGION_POLYGON:
     return IsNearLine(region->vertex_count, region->vertices, PETSC_TRUE, region->tolerance, x, distance);
   case MPM_REGION_OUTLINE:
-    return (PetscBool)(MpmOutlineDistance(&region->outline, x) <= distance);
+  case MPM_REGION_RASTER:
+    return (PetscBool)((region->outline.features && MpmOutlineDistance(&region->outline, x) <= distance) ||
+                       (region->ground && MpmMapLayerIsNear(region->ground, x, distance)));
   case MPM_REGION_LAYERS:
     for (PetscInt k = 0; k < 2; k++) {
       const MpmPolyline *line = k ? &region->layer.top : &region->layer.bottom;

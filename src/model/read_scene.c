@@ -469,6 +469,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
                 "-mpm_grid_lower: x starts at %g, with -mpm_kinematics axisymmetric it is the radius and must be >= 0",
                 (double)model->disc.grid->lower[0]);
   PetscCall(MpmDiscretizationSize(&model->disc));
+  MpmRecordSetWindow(options->record, model->disc.grid->lower, model->disc.grid->upper);
   PetscCall(MpmTerrainRead(model, options));
   PetscCall(CheckLattices(model->disc.grid, model->disc.layout));
   PetscCall(ReadMaterialsAndBodies(model, options));

@@ -1,6 +1,7 @@
 /*
   Reading of sections and profiles.
 */
+#include "base/axes.h"
 #include "options/options.h"
 #include "geometry/geometry.h"
 #include "grid/grid.h"

@@ -25,6 +25,10 @@ typedef struct {
 void MpmRecordSetPlane(MpmRecord record, const MpmPlane *plane);
 /* Lends it, or NULL where the scene is on no map. */
 const MpmPlane *MpmRecordPlane(MpmRecord record);
+/* The rectangle or box that the grid covers, m, about which maps are read; borrowed. */
+void MpmRecordSetWindow(MpmRecord record, const PetscReal lower[], const PetscReal upper[]);
+/* Lends it; NULL where it is not known. */
+void MpmRecordWindow(MpmRecord record, const PetscReal **lower, const PetscReal **upper);
 
 /*
   Where a block of options lives: `prefix` without the leading dash, like "mpm_material_beam_". `record` may be NULL.

@@ -52,6 +52,19 @@ const MpmPlane *MpmRecordPlane(MpmRecord record)
   return record && record->on_map ? &record->plane : NULL;
 }
 
+void MpmRecordSetWindow(MpmRecord record, const PetscReal lower[], const PetscReal upper[])
+{
+  if (!record) return;
+  record->window[0] = lower;
+  record->window[1] = upper;
+}
+
+void MpmRecordWindow(MpmRecord record, const PetscReal **lower, const PetscReal **upper)
+{
+  *lower = record ? record->window[0] : NULL;
+  *upper = record ? record->window[1] : NULL;
+}
+
 PetscErrorCode MpmRecordFind(MpmRecord record, const char name[], MpmRecordEntry **entry)
 {
   PetscFunctionBegin;

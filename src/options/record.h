@@ -33,16 +33,17 @@ typedef struct {
 } MpmGivenOption;
 
 struct _p_MpmRecord {
-  PetscInt        count, capacity;
-  MpmRecordEntry *entries;
-  PetscInt        block_count;
-  char          **blocks;  /* prefixes of the blocks that have been read */
-  MpmSources      sources; /* borrowed; NULL: where options were given is not known */
-  PetscInt        foreign_count;
-  MpmGivenOption *foreign; /* unused.c */
-  MpmMoment       moment;  /* up to which they have been looked through */
-  PetscBool       on_map;
-  MpmPlane        plane;
+  PetscInt         count, capacity;
+  MpmRecordEntry  *entries;
+  PetscInt         block_count;
+  char           **blocks;  /* prefixes of the blocks that have been read */
+  MpmSources       sources; /* borrowed; NULL: where options were given is not known */
+  PetscInt         foreign_count;
+  MpmGivenOption  *foreign; /* unused.c */
+  MpmMoment        moment;  /* up to which they have been looked through */
+  PetscBool        on_map;
+  MpmPlane         plane;
+  const PetscReal *window[2]; /* corners of the grid, borrowed; NULL: not known */
 };
 
 /* The block with this prefix is being read. */

@@ -32,7 +32,7 @@ static PetscErrorCode FindCells(const MpmOptions *block, const MpmGrid *grid, Mp
     body->cells.lower[a] = 0;
     body->cells.upper[a] = 1;
     if (a >= grid->dim) continue;
-    MpmCheckInput(MpmRegionGetType(body->region) == MPM_REGION_RASTER || lower[a] <= PETSC_NINFINITY ||
+    MpmCheckInput((MpmRegionGetType(body->region) == MPM_REGION_RASTER && a < 2) || lower[a] <= PETSC_NINFINITY ||
                     upper[a] >= PETSC_INFINITY ||
                     (lower[a] >= grid->lower[a] - tolerance && upper[a] <= grid->upper[a] + tolerance),
                   "-%sregion: the body spans [%g, %g] on axis %c, outside the grid, [%g, %g]; -%sclip_lower and "
@@ -80,7 +80,7 @@ static PetscErrorCode ReadBelow(const MpmOptions *block, const MpmBodies *bodies
   const char  **names;
 
   PetscFunctionBeginUser;
-  if (MpmRegionGetType(body->region) != MPM_REGION_LAYERS && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmRegionIsLayer(body->region) && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsHas(block, "below", &given));
   MpmCheckInput(!given || b > 0 || MpmOptionsHelp(), "-%sbelow: must be a body that is named before this one",
                 block->prefix);
@@ -88,14 +88,15 @@ static PetscErrorCode ReadBelow(const MpmOptions *block, const MpmBodies *bodies
   PetscCall(PetscCalloc1((b + 2), &names));
   for (PetscInt c = 0; c < PetscMax(b, 1); c++) names[c] = bodies->names[c];
   PetscCall(MpmOptionsWord(block, "below",
-                           "in place of top: a body of region layers, named before this one, at whose lower end it "
-                           "begins",
+                           "in place of top: a body of region layers, or in 3D raster, named before this one, at whose "
+                           "lower end it begins",
                            names, MPM_OPTIONAL, &above, &given));
   PetscCall(PetscFree(names));
   if (!given || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(MpmRegionGetType(bodies->at[above]->region) == MPM_REGION_LAYERS &&
+  MpmCheckInput(MpmRegionGetType(bodies->at[above]->region) == MpmRegionGetType(body->region) &&
                   MpmRegionIsBoundedBelow(bodies->at[above]->region),
-                "-%sbelow %s: must be a body of region layers with a bottom", block->prefix, bodies->names[above]);
+                "-%sbelow %s: must be a body of region %s with a bottom", block->prefix, bodies->names[above],
+                MpmRegionGetType(body->region) == MPM_REGION_LAYERS ? "layers" : "raster");
   PetscCall(MpmRegionSetAbove(body->region, bodies->at[above]->region));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -105,7 +106,7 @@ static PetscErrorCode ReadLattice(const MpmOptions *block, const MpmGrid *grid, 
 {
   static const char *const edges[] = {"centers", "cut", NULL};
   PetscBool                fill = PETSC_FALSE, given = PETSC_FALSE;
-  PetscInt                 edge = 0;
+  PetscInt                 edge = MpmRegionIsLayer(body->region) && MpmRegionGetType(body->region) != MPM_REGION_LAYERS;
 
   PetscFunctionBeginUser;
   if (MpmRegionGetType(body->region) >= MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
@@ -236,13 +237,14 @@ PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, con
 {
   char             prefix[256];
   const MpmOptions block  = {options->comm, prefix, options->record};
-  const PetscBool  raster = (PetscBool)(MpmRegionGetType(body->region) == MPM_REGION_RASTER);
+  const PetscBool  ground = (PetscBool)(body->dim > 2 && MpmRegionIsLayer(body->region));
+  const PetscBool  raster = (PetscBool)(MpmRegionGetType(body->region) == MPM_REGION_RASTER && !ground);
   const PetscBool  flows  = (PetscBool)(MpmRegionGetType(body->region) == MPM_REGION_HYDROGRAPH);
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
-  MpmCheckInput(bed || !(raster || flows) || MpmOptionsHelp(), "-%sregion %s: is for -mpm_physics depth_averaged",
-                block.prefix, raster ? "raster" : "hydrograph");
+  MpmCheckInput(bed || !(raster || flows) || MpmOptionsHelp(), "-%sregion %s: is for -mpm_physics depth_averaged%s",
+                block.prefix, raster ? "raster" : "hydrograph", raster ? ", or for -mpm_dim 3" : "");
   if (!bed && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(
     !bed || (MpmRegionGetType(body->region) != MPM_REGION_FILE && MpmRegionGetType(body->region) != MPM_REGION_COLUMNS),
@@ -258,7 +260,10 @@ PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, con
 PetscBool MpmBodyVolume(MpmBody body, PetscReal *exact, PetscReal *points)
 {
   if (body->release) MpmReleaseVolume(body->release, exact, points);
-  return (PetscBool)(body->release != NULL);
+  if (body->release || !(body->volume[0] > 0.)) return (PetscBool)(body->release != NULL);
+  *exact  = body->volume[0];
+  *points = body->volume[1];
+  return PETSC_TRUE;
 }
 
 PetscErrorCode MpmBodyReadStart(const MpmOptions *options, const char *name, const char *field, MpmBody body)

@@ -43,7 +43,8 @@ PetscErrorCode MpmBodyReadVelocity(const MpmOptions *options, const char *name, 
 /* Depths of its columns on a bed, if there is one (body_depth.h, release.h). To be called before points are made. */
 PetscErrorCode MpmBodyReadDepth(const MpmOptions *options, const char *name, const MpmGrid *grid, const MpmBed *bed,
                                 MpmShapeType shape, MpmEdgeType edge, MpmBody body);
-/* Of columns from maps: the integral of their depth, and the sum over points, m3; PETSC_FALSE for other bodies. */
+/* Of columns and ground from maps: the integral of their depth, and the sum over points, m3; PETSC_FALSE for other
+   bodies, and where another one has priority. */
 PetscBool      MpmBodyVolume(MpmBody body, PetscReal *exact, PetscReal *points);
 PetscErrorCode MpmBodyDestroy(MpmBody *body);
 /* About how many points the body has; widens the box of cells [lower, upper) to hold its cells. */

@@ -43,6 +43,7 @@ struct _p_MpmBody {
     PetscInt per_cell[MPM_MAX_DIM];
     PetscInt lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* the cells that the region's bounds meet */
   } cells;
+  PetscReal      volume[2]; /* of ground between maps: its integral, and that of its points, m3 */
   MpmBodyLattice lattice;
   MpmBodyDepth   depth;   /* of its columns; NULL: they are none */
   MpmRelease     release; /* its columns, of region raster; or NULL */

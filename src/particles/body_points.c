@@ -14,6 +14,7 @@
 #include "particles/ground_points.h"
 #include "particles/point_mass.h"
 #include "particles/points.h"
+#include "release/ground_volume.h"
 
 PetscBool MpmBodyIsTaken(const MpmBody body, const MpmGrid *grid, const PetscReal x[])
 {
@@ -161,6 +162,20 @@ static void FillRelease(const MpmBody body, const MpmGrid *grid, const MpmMateri
   }
 }
 
+/* Volumes of ground between maps, by its columns and by its points. */
+static PetscErrorCode MeasureGround(const MpmBody body, const MpmGrid *grid, PetscInt first, PetscInt end,
+                                    const MpmPoints *points)
+{
+  PetscFunctionBeginUser;
+  if (grid->dim < 3 || MpmRegionGetType(body->region) != MPM_REGION_RASTER || body->beside.winner_count)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  body->volume[1] = 0.;
+  for (PetscInt p = first; p < end; p++) body->volume[1] += points->volume0[p];
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &body->volume[1], 1, MPIU_REAL, MPIU_SUM, grid->comm));
+  PetscCall(MpmGroundVolume(body->region, grid, body->lattice.spacing, &body->volume[0]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* All points of a body from `first` on; ids from `id` on. Returns where they end. */
 static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const MpmMaterial materials[],
                                const MpmParticles *particles, PetscInt64 id, PetscInt *first, MpmPoints *points)
@@ -176,6 +191,7 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
   if (!body->imported) {
     *first += FillCells(body, grid, id, begin, points);
     FillCuts(body, grid->dim, begin, *first, points);
+    PetscCall(MeasureGround(body, grid, begin, *first, points));
     MpmPointsSetOwn(materials, vertical, grid->dim, begin, *first, points);
     FillAtRest(body, grid, materials, particles, begin, *first, points);
     if (body->start.stress)

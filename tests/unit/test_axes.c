@@ -1,7 +1,7 @@
 /*
   Directions at right angles to a given one.
 */
-#include "geometry/geometry.h"
+#include "base/axes.h"
 #include "unit.h"
 
 /* axis k times axis l */

@@ -2,7 +2,7 @@
 """Columns from maps and outlines: their volume is the integral of the depth over the outline, on any number of ranks.
 
 The map 1 + 2 exp(-r^2/150) of 100 x 100 pixels has 10942.47778 m3. Other volumes are sums over pixels of polygons cut by
-shapely, over which a bilinear function is integrated exactly.
+shapely, over which a bilinear function is integrated exactly. In 3D ground between maps has the integral of its height.
 
 Quick.
 """
@@ -29,6 +29,21 @@ SCENE = """mpm:
   time: {{integrator: explicit, end: 1}}
 """
 PLANE = 'bed: "10,0.5,-0.1"'
+GROUND = """mpm:
+  dim: 3
+  physics: solid
+  terrain: {{file: top.asc}}
+  grid: {{lower: "0,0,0", upper: "40,30,16", cells: "16,12,8"}}
+  materials: soil,rock
+  material_soil: {{type: hencky, E: 20e6, nu: 0.3, density: 2000}}
+  material_rock: {{type: hencky, E: 200e6, nu: 0.3, density: 2500}}
+  bodies: {names}
+  body_soil: {{region: raster, material: soil, {soil}}}
+  {rock}
+  task: points
+  time: {{step: 1, end: 1}}
+"""
+ROCK = "body_rock: {region: raster, below: soil, material: rock}"
 
 
 def write_grid(path, values, x0, y0, cell):
@@ -107,6 +122,67 @@ class Case:
             print(run.errors)
 
 
+def ground_integral(shapely, values, polygon=None):
+    """Over the grid, or the polygon in it, of values on the pixels of 2.5 m about it."""
+    values = values[1:-1, 1:-1]
+    if polygon is None:
+        return 6.25 * float((values[:-1, :-1] + values[1:, :-1] + values[:-1, 1:] + values[1:, 1:]).sum()) / 4
+    polygon = shapely.affinity.translate(polygon, 1.25, 1.25)  # to where bilinear_integral() has the pixels
+    square = np.zeros((17, 17))
+    square[:values.shape[0], :values.shape[1]] = values
+    return bilinear_integral(shapely, polygon, square, 2.5)
+
+
+def check_ground(test, shapely):
+    """Bodies between maps in 3D: volumes, masses, places, and layers that end."""
+    folder = test.folder()
+    at = [np.arange(-2.5, end, 2.5) for end in (43, 33)]
+    x, y = np.meshgrid(*at)
+    top = 12 - 6 / (1 + np.exp(-(x - 20) / 4)) + 0.8 * np.sin(y / 5)
+    rock = top - 2 - 1.5 * np.cos(x / 9) * np.cos(y / 7)
+    mantle = np.clip(1 - ((x - 15) ** 2 + (y - 15) ** 2) / 90, 0, None) * 3
+    for name, value in (("top", top), ("rock", rock), ("mantle", mantle), ("crossing", top + 1 - 0.1 * x), ("low", top - 4)):
+        write_grid(folder / f"{name}.asc", value, -2.5, -2.5, 2.5)
+
+    def run(soil, names="soil,rock", rock_block=ROCK, **more):
+        path = folder / "ground.yaml"
+        path.write_text(GROUND.format(names=names, soil=soil, rock=rock_block if "rock" in names else ""))
+        return test.run(path, mpm_output_prefix="ground", **more)
+
+    first = run("bottom: rock.asc")
+    points = first.results.state("last")
+    soil = points["material"] == 0
+    test.near("ground.soil", float(points["volume"][soil].sum()), ground_integral(shapely, top - rock), relative=1e-12)
+    test.near("ground.rock", float(points["volume"][~soil].sum()), ground_integral(shapely, rock), relative=1e-12)
+    test.near("ground.mass", float(points["mass"].sum() if "mass" in points else (points["volume"] * np.where(soil, 2000, 2500)).sum()),
+              2000 * ground_integral(shapely, top - rock) + 2500 * ground_integral(shapely, rock), relative=1e-12)
+    test.check("ground.log", "body soil: 2481.545983 m3, 4.96309e+06 kg" in first.output, 1, 1)
+    height = float((points["position"][:, 2] * points["volume"]).sum())
+    test.near("ground.centre", height, ground_integral(shapely, 0.5 * top**2), relative=2e-3)  # the square is not bilinear
+    shared = run("bottom: rock.asc", ranks=3).results.state("last")
+    test.check("ground.ranks", float(abs(shared["position"] - points["position"]).max()), 0, 0)
+    # a mantle that thins out to nothing, and a surface that cuts through the one above
+    state = run("depth: mantle.asc", rock_block=ROCK.replace("}", ", bottom: crossing.asc}")).results.state("last")
+    thin = float(state["volume"][state["material"] == 0].sum())
+    test.near("ground.mantle", thin, ground_integral(shapely, mantle), relative=1e-3)
+    test.near("ground.crossing", float(state["volume"].sum()), ground_integral(shapely, np.clip(top - (top + 1 - 0.1 * x), mantle, None)), relative=2e-2)
+    if shapely:
+        star = ring((19, 16), 9.0, 5, 100)
+        write_outline(folder / "star.geojson", ([star], {}))
+        state = run("bottom: low.asc, outline: star.geojson", "soil").results.state("last")
+        test.near("ground.outline", float(state["volume"].sum()), 4 * area(star), relative=1e-3)
+        state = run("bottom: 2, outline: star.geojson", "soil").results.state("last")
+        test.near("ground.level", float(state["volume"].sum()), ground_integral(shapely, top - 2, shapely.geometry.Polygon(star)), relative=1e-3)
+    for label, words, *scene in (("both", "the bottom is given, too", "bottom: 1, depth: 2"), ("file", "cannot be read", "bottom: nowhere.asc"),
+                                 ("below", "must be a body of region raster with a bottom", "points_per_cell: \"1,1,1\""),
+                                 ("thin", "must be > 0", "depth: -1"), ("high", "outside the grid", "bottom: 1, top: 40"),
+                                 ("none", "there is no point in it", "bottom: 12, top: 4", "soil,rock", ROCK.replace("below: soil", "bottom: 1")), ("twice", "must be absent", "bottom: 1", "soil,rock", ROCK.replace("}", ", top: 3}"))):
+        refused = run(*scene, status=2)
+        test.check(f"ground.{label}", words in refused.errors and refused.errors.count("\n") == 1, 1, 1)
+        if words not in refused.errors:
+            print(label, refused.errors)
+
+
 with Test() as test:
     case = Case(test)
     y, x = np.mgrid[0:100, 0:100] + 0.5
@@ -135,6 +211,7 @@ with Test() as test:
     test.check("attribute.ranks", float(abs(ranks["position"] - first["position"]).max()), 0, 0)
     test.near("number.count", len(case.points("outline: star.geojson, depth: 2.5, points: 5000")["volume"]), 5000, relative=0.01)
     try:
+        import shapely.affinity
         import shapely.geometry as geometry
         import shapely
     except ImportError:
@@ -190,3 +267,4 @@ with Test() as test:
     case.refuse("after", "after is missing", "before: before.asc")
     case.refuse("few", "more than a cell", "depth: hill.asc, points: 100")
     case.refuse("file", "cannot be read", "outline: nowhere.geojson, depth: 1")
+    check_ground(test, shapely if geometry else None)

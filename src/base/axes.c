@@ -1,7 +1,7 @@
 /*
   Directions at right angles.
 */
-#include "geometry/geometry.h"
+#include "base/axes.h"
 
 /* To length one; PETSC_FALSE where there is none. */
 static PetscBool Normalise(PetscInt dim, PetscReal v[])
