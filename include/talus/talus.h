@@ -52,9 +52,12 @@ typedef struct _p_MpmModel *MpmModel;
 
 /*
   A body force: N per m3 of the initial volume, at a point that stood at X in the initial state. Both have `dim`
-  components.
+  components. Of a physics without displacement: the source of each of its first `dim` unknowns.
 */
 typedef PetscErrorCode (*MpmBodyForce)(PetscInt dim, PetscReal time, const PetscReal X[], PetscReal force[], void *ctx);
+
+/* Values that a condition prescribes at a node at X, one for each of its components, in their unit. */
+typedef PetscErrorCode (*MpmConditionValue)(PetscInt dim, const PetscReal X[], PetscReal value[], void *ctx);
 
 /* How a model stands after a step. */
 typedef enum {
@@ -248,12 +251,28 @@ PetscErrorCode MpmModelSetLoadFactor(MpmModel model, const char name[], PetscRea
 PetscErrorCode MpmModelSetLoadValue(MpmModel model, const char name[], const PetscReal value[]);
 
 /*@
+  MpmModelSetConditionValue - values of a condition by place, in place of its `value`, times its ramp
+
+  After MpmModelSetFromOptions(), before the first step. Not collective, but all ranks must set the same
+
+  Input Parameters:
++ name  - of the condition
+. value - called at each of its nodes, once a step; NULL: `value` again
+- ctx   - borrowed until MpmModelDestroy()
+
+  Note:
+  For unknowns other than a displacement: fails with PETSC_ERR_SUP where the condition prescribes one, and with
+  PETSC_ERR_ARG_OUTOFRANGE where there is no condition of this name. Does not stand in a checkpoint.
+@*/
+PetscErrorCode MpmModelSetConditionValue(MpmModel model, const char name[], MpmConditionValue value, void *ctx);
+
+/*@
   MpmModelGetReaction - force of a condition, a motion or a boundary on the material at the end of the last step
 
   Not collective: all ranks have the sum.
 
   Output Parameter:
-. reaction - `dim` components along the axes, N (2D: N per metre)
+. reaction - `dim` components along the axes, N (2D: N per metre); of a condition no more than a node has unknowns
 @*/
 PetscErrorCode MpmModelGetReaction(MpmModel model, const char name[], PetscReal reaction[]);
 

@@ -4,26 +4,34 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "talus/point/tables.h"
+#include "talus/talus.h"
 
 /* ---- dirichlet.c, node_frames.c ---- */
 
 /* Meaning of a condition's value: a displacement, or its first or second derivative by time. */
 typedef enum { MPM_DISPLACEMENT, MPM_VELOCITY, MPM_ACCELERATION } MpmQuantity;
 
+/* Values of a condition by place, and their context. */
+typedef struct {
+  MpmConditionValue function; /* NULL: equal at all nodes */
+  void             *ctx;
+} MpmValueField;
+
 /* A Dirichlet condition on nodes: on components of their unknowns, or on the displacement along a normal. */
 typedef struct {
-  char       *name;
-  MpmRegion   region;
-  PetscBool   inclined;            /* a normal exists: value[0] is along it, components are those of the reaction */
-  PetscReal   normal[MPM_MAX_DIM]; /* of length 1 */
-  PetscInt    component_count;
-  PetscInt    component[MPM_MAX_BLOCK];
-  PetscReal   value[MPM_MAX_BLOCK];
-  MpmRamp     ramp;
-  MpmQuantity quantity;
-  PetscBool   absorbing; /* dashpots at its nodes in place of prescribed values; value is an incoming wave */
-  PetscInt    across;    /* the axis across the plane of such a one */
+  char         *name;
+  MpmRegion     region;
+  PetscBool     inclined;            /* a normal exists: value[0] is along it, components are those of the reaction */
+  PetscReal     normal[MPM_MAX_DIM]; /* of length 1 */
+  PetscInt      component_count;
+  PetscInt      component[MPM_MAX_BLOCK];
+  PetscReal     value[MPM_MAX_BLOCK];
+  MpmRamp       ramp;
+  MpmQuantity   quantity;
+  PetscBool     absorbing; /* dashpots at its nodes in place of prescribed values; value is an incoming wave */
+  PetscInt      across;    /* the axis across the plane of such a one */
+  PetscInt      motion;    /* of its components those below are of the displacement */
+  MpmValueField field;     /* of components beyond */
 } MpmCondition;
 
 /* Conditions, with the names of their blocks. */

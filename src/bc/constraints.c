@@ -223,26 +223,30 @@ static void LeaveOutUnused(MpmConstraints *constraints, PetscInt bs, const MpmSp
 }
 
 /* The components that condition b prescribes at the nodes in its region. */
-static void PrescribeComponents(MpmConstraints *constraints, const MpmPrescription *step, PetscInt b,
-                                const MpmGrid *grid, const MpmLayout *layout, const MpmSpace *space)
+static PetscErrorCode PrescribeComponents(MpmConstraints *constraints, const MpmPrescription *step, PetscInt b,
+                                          const MpmGrid *grid, const MpmLayout *layout, const MpmSpace *space)
 {
   const MpmCondition *bc = &step->conditions->at[b];
   const PetscInt      bs = layout->block;
 
+  PetscFunctionBeginUser;
   for (PetscInt i = 0; i < space->local; i++) {
-    PetscReal x[MPM_MAX_DIM];
+    PetscReal x[MPM_MAX_DIM], here[MPM_MAX_BLOCK];
 
     if (MpmSpaceIsExtra(space, i)) continue;
     NodePosition(grid, space, i, x);
     if (!MpmConditionHolds(step, b, x)) continue;
+    if (bc->field.function) PetscCall((*bc->field.function)(grid->dim, x, here, bc->field.ctx));
     for (PetscInt k = 0; k < bc->component_count; k++) {
-      const PetscInt c = bc->component[k];
+      const PetscInt  c     = bc->component[k];
+      const PetscReal value = bc->field.function ? here[k] : bc->value[k];
 
       constraints->condition[i * bs + c] = b;
-      constraints->value[i * bs + c]     = bc->value[k] * MpmStepFactor(step, b, layout->component[c].increment);
+      constraints->value[i * bs + c]     = value * MpmStepFactor(step, b, layout->component[c].increment);
       constraints->any                   = PETSC_TRUE;
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Unit of a component's values, over h, where a node's typical stiffness is K h^(dim - 2); to a power of 2. */
@@ -292,7 +296,7 @@ PetscErrorCode MpmConstraintsSetUp(MpmConstraints *constraints, const MpmPrescri
   for (PetscInt b = 0; b < step->conditions->count; b++) {
     if (!step->acting[b].active) continue;
     if (step->conditions->at[b].inclined) inclined = PETSC_TRUE;
-    else PrescribeComponents(constraints, step, b, grid, layout, space);
+    else PetscCall(PrescribeComponents(constraints, step, b, grid, layout, space));
   }
   PetscCall(
     MpmBodyMotionsTouch(step->motions, &step->acting[step->conditions->count], grid, space, step->particles, &marks));

@@ -169,7 +169,7 @@ static PetscErrorCode ReadTime(const MpmOptions *block, const MpmLayout *layout,
                            quantities, MPM_OPTIONAL, &quantity, NULL));
   bc->quantity = (MpmQuantity)quantity;
   for (PetscInt k = 0; k < bc->component_count && quantity && !MpmOptionsHelp(); k++)
-    MpmCheckInput(bc->component[k] < layout->dim, "-%squantity %s: its components must be directions, x, y or z",
+    MpmCheckInput(bc->component[k] < layout->motion, "-%squantity %s: its components must be directions, x, y or z",
                   block->prefix, quantities[quantity]);
   PetscCall(MpmOptionsHas(block, "ramp", &ramp));
   PetscCall(MpmRampReadTable(block, "table", (PetscBool)(quantity > 0), &bc->ramp));
@@ -211,6 +211,7 @@ PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, c
   PetscCall(PetscMemzero(bc, sizeof(*bc)));
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_bc_%s_", name));
   PetscCall(PetscStrallocpy(name, &bc->name));
+  bc->motion = layout->motion;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) tolerance[a] = MPM_TOLERANCE * grid->h[a];
   PetscCall(MpmOptionsHeading(&block, "Condition"));
   PetscCall(RefuseContact(&block, name));
@@ -220,6 +221,8 @@ PetscErrorCode MpmConditionCreate(const MpmOptions *options, const char *name, c
   PetscCall(ReadNormal(&block, grid->dim, bc));
   MpmCheckInput(!bc->inclined || !bc->absorbing, "-%snormal and -%sabsorbing: give one of them, not both", prefix,
                 prefix);
+  MpmCheckInput(layout->motion || !(bc->inclined || bc->absorbing), "-%s%s: the physics has no displacement", prefix,
+                bc->inclined ? "normal" : "absorbing");
   if (bc->absorbing && !MpmOptionsHelp()) PetscCall(ReadDirections(&block, layout, bc));
   else if (!bc->inclined) PetscCall(ReadComponents(&block, layout, bc));
   PetscCall(ReadTime(&block, layout, bc));
@@ -250,7 +253,7 @@ static PetscBool MotionAlong(const MpmCondition *bc, PetscInt axis, PetscReal *l
     value = bc->value[0] * bc->normal[axis];
   } else {
     for (PetscInt k = 0; k < bc->component_count; k++) {
-      if (bc->component[k] != axis) continue;
+      if (bc->component[k] != axis || axis >= bc->motion) continue;
       held  = PETSC_TRUE;
       value = bc->value[k];
     }

@@ -23,7 +23,7 @@ PetscBool MpmConditionMoves(const MpmCondition *bc, PetscInt dim)
 {
   if (bc->absorbing) return PETSC_FALSE;
   for (PetscInt k = 0; k < bc->component_count && !bc->inclined; k++)
-    if (bc->component[k] < dim && bc->value[k] != 0.) return PETSC_TRUE;
+    if (bc->component[k] < PetscMin(dim, bc->motion) && bc->value[k] != 0.) return PETSC_TRUE;
   return (PetscBool)(bc->inclined && bc->value[0] != 0.);
 }
 

@@ -290,9 +290,9 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRule
 
 PetscErrorCode MpmBodyForceApply(MpmBodyForce function, void *ctx, PetscReal time, const MpmSum *sum, PetscReal force[])
 {
-  const MpmSpace  *space  = sum->space;
-  const MpmPoints *points = sum->points;
-  PetscReal        value[MPM_MAX_DIM];
+  const MpmSpace  *space              = sum->space;
+  const MpmPoints *points             = sum->points;
+  PetscReal        value[MPM_MAX_DIM] = {0.};
   MpmBasis         basis;
 
   PetscFunctionBeginUser;

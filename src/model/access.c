@@ -48,9 +48,24 @@ PetscErrorCode MpmModelSetLoadValue(MpmModel model, const char name[], const Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmModelSetConditionValue(MpmModel model, const char name[], MpmConditionValue value, void *ctx)
+{
+  MpmCondition *bc = NULL;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < model->scene.bcs->count; b++)
+    if (!strcmp(model->scene.bcs->names[b], name)) bc = &model->scene.bcs->at[b];
+  PetscCheck(bc, PETSC_COMM_SELF, PETSC_ERR_ARG_OUTOFRANGE, "there is no condition %s", name);
+  for (PetscInt k = 0; k < bc->component_count; k++)
+    PetscCheck(bc->component[k] >= bc->motion, PETSC_COMM_SELF, PETSC_ERR_SUP,
+               "condition %s prescribes a displacement, whose value is one for all nodes", name);
+  bc->field = (MpmValueField){value, ctx};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModelGetReaction(MpmModel model, const char name[], PetscReal reaction[])
 {
-  const PetscInt   dim  = model->disc.dim;
+  const PetscInt   dim  = PetscMin(model->disc.dim, model->disc.block);
   const PetscReal *from = NULL;
 
   PetscFunctionBeginUser;

@@ -491,6 +491,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(MpmSolverSetFromOptions(&model->solver, options));
   PetscCall(MpmGradientRead(model, options, NULL));
   PetscCall(MpmShapeCheck(model));
+  PetscCall(MpmInPlaceCheck(model));
   PetscCall(AddRows(model));
   PetscCall(MpmOptionsHas(options, "dim", &particular));
   if (MpmOptionsHelp() && !particular) PetscCall(MpmLaboratoryPrintHelp(model, options));

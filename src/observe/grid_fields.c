@@ -215,7 +215,7 @@ static PetscErrorCode NodeArraysCreate(MpmModel model, NodeArrays *arrays)
 static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *arrays, const Cells *cells)
 {
   const MpmSpace *space = model->disc.space;
-  const PetscInt  dim = space->dim, block = model->disc.block;
+  const PetscInt  dim = space->dim, block = model->disc.block, motion = model->disc.layout->motion;
   const Nodal moved    = {model->disc.nodal.committed ? model->disc.nodal.u : NULL, WrittenCount(space), block, 0, dim};
   const Nodal reaction = {model->disc.nodal.committed ? model->disc.nodal.residual : NULL, WrittenCount(space), block,
                           0, dim};
@@ -227,16 +227,18 @@ static PetscErrorCode WriteNodesAndCells(MpmModel model, const NodeArrays *array
   const MpmTable   cell_table         = {cells->count, cells->id, 1, &corners};
 
   PetscFunctionBeginUser;
-  count         = 1;
-  sets[count++] = (MpmDataset){.name = "displacement_increment", .components = dim, .fill = FillNodal, .ctx = &moved};
-  sets[count++] = (MpmDataset){.name = "reaction", .components = dim, .fill = FillNodal, .ctx = &reaction};
-  sets[count++] = (MpmDataset){.name = "load", .components = dim, .fill = FillNodal, .ctx = &load};
+  count = 1;
+  if (motion) {
+    sets[count++] = (MpmDataset){.name = "displacement_increment", .components = dim, .fill = FillNodal, .ctx = &moved};
+    sets[count++] = (MpmDataset){.name = "reaction", .components = dim, .fill = FillNodal, .ctx = &reaction};
+    sets[count++] = (MpmDataset){.name = "load", .components = dim, .fill = FillNodal, .ctx = &load};
+  }
   sets[count++] = (MpmDataset){.name = "mass", .components = 1, .real = arrays->mass};
   sets[count++] = (MpmDataset){.name = "held", .components = 1, .integer = arrays->held};
   sets[count++] = (MpmDataset){.name = "rank", .components = 1, .integer = arrays->rank};
   if (model->disc.material.parts > 1)
     sets[count++] = (MpmDataset){.name = "part", .components = 1, .integer = arrays->part};
-  for (PetscInt c = dim; c < block; c++) {
+  for (PetscInt c = motion; c < block; c++) {
     others[c]     = (Nodal){moved.value, WrittenCount(space), block, c, 1};
     sets[count++] = (MpmDataset){
       .name = model->disc.layout->component[c].name, .components = 1, .fill = FillNodal, .ctx = &others[c]};

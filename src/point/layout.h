@@ -45,6 +45,7 @@ typedef struct {
 typedef struct MpmLayout {
   MpmKinematics     kinematics;
   PetscInt          dim, block;
+  PetscInt          motion; /* components of the displacement, the first ones: dim; 0: the points stay in place */
   MpmComponent      component[MPM_MAX_BLOCK];
   PetscInt          field_count, shape_count;
   MpmFieldShape     shape[MPM_MAX_SHAPES];

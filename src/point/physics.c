@@ -129,7 +129,7 @@ static PetscErrorCode SetTraits(const MpmPhysics *physics, MpmLayout *layout)
   layout->traits.saddle = (PetscBool)((physics->traits & MPM_PHYSICS_SADDLE) != 0);
   layout->traits.solid =
     (PetscBool)(physics->field_count == 1 && layout->input.count == MpmKinematicsF((int)layout->kinematics) &&
-                layout->block == dim);
+                layout->block == dim && layout->motion);
   layout->traits.alternate = (PetscBool)((physics->traits & MPM_PHYSICS_ALTERNATE) != 0);
   layout->traits.biot      = (PetscBool)((physics->traits & MPM_PHYSICS_BIOT) != 0);
   PetscCheck(
@@ -158,7 +158,8 @@ static void SortInputs(MpmLayout *layout)
 
 PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt kinematics, MpmLayout *layout)
 {
-  const PetscInt dim = MpmKinematicsDim((int)kinematics);
+  static const char *const axes[] = {"x", "y", "z"};
+  const PetscInt           dim    = MpmKinematicsDim((int)kinematics);
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(layout, sizeof(*layout)));
@@ -166,6 +167,7 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt kinematics, M
   layout->kinematics  = (MpmKinematics)kinematics;
   layout->kernel      = &physics->kernels[kinematics];
   layout->field_count = physics->field_count;
+  layout->motion      = physics->fields[0].increment ? dim : 0;
   for (PetscInt f = 0; f < physics->field_count; f++) {
     const MpmField *field      = &physics->fields[f];
     const PetscInt  components = field->components ? field->components : dim;
@@ -177,7 +179,7 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt kinematics, M
 
       PetscCheck(b < MPM_MAX_BLOCK, PETSC_COMM_SELF, PETSC_ERR_SUP, "physics %s has more than %d unknowns a node",
                  physics->name, MPM_MAX_BLOCK);
-      layout->component[b].name      = field->increment ? (const char *const[]){"x", "y", "z"}[c] : field->name;
+      layout->component[b].name      = f || field->components ? field->name : axes[c];
       layout->component[b].symbol    = field->symbol;
       layout->component[b].near_null = field->near_null;
       layout->component[b].scale     = field->scale;

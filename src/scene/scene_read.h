@@ -26,6 +26,8 @@ PetscErrorCode MpmShapeRead(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmShapeCheck(const MpmModel model);
 /* Refuses what air and backgrounds do not go with (voids_check.c). Once stages and contacts are read. */
 PetscErrorCode MpmVoidsCheck(const MpmModel model);
+/* Refuses what needs a displacement where the physics has none (in_place_check.c). Once all of the scene is read. */
+PetscErrorCode MpmInPlaceCheck(MpmModel model);
 /*
   Ghost penalty and F-bar (stabilization.c): Read takes the options, Settle makes the choice of `auto` once materials,
   bodies, conditions and stages are known.

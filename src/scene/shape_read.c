@@ -69,7 +69,7 @@ PetscErrorCode MpmShapeCheck(const MpmModel model)
   PetscFunctionBeginUser;
   if (MpmShapeOrder(shape) == 1 || MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(model->disc.layout->traits.solid || model->disc.layout->traits.biot ||
-                  model->disc.layout->traits.alternate,
+                  model->disc.layout->traits.alternate || !model->disc.layout->motion,
                 "-mpm_shape %s: not available for physics %s, must be of order 1", name, model->scene.physics.name);
   PetscCall(CheckInertia(model, name));
   MpmCheckInput(model->scene.stabilization.smooth == 0.,

@@ -2,6 +2,7 @@
   Options of time: how a scene's and its stages' time is cut into steps.
 */
 #include "options/options.h"
+#include "point/layout.h"
 #include "point/material.h"
 #include "rigid/rigid.h"
 #include "grid/shape.h"
@@ -92,7 +93,7 @@ PetscErrorCode MpmTimeControlRead(const MpmOptions *options, const char *prefix,
 */
 static PetscBool IsForetold(const MpmModel model)
 {
-  PetscBool history = PETSC_FALSE;
+  PetscBool history = (PetscBool)!model->disc.layout->motion;
 
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     if (model->scene.materials->at[m].state_size) history = PETSC_TRUE;

@@ -74,7 +74,7 @@ PetscErrorCode MpmSolverStartLinear(MpmSolver *solver, Vec x, PetscBool *made)
 
   PetscFunctionBeginUser;
   *made = PETSC_FALSE;
-  if (!MpmFieldsDoWork(solver->disc->layout)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmFieldsDoWork(solver->disc->layout) || !solver->disc->layout->motion) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecNorm(x, NORM_INFINITY, &most));
   if (!(most > DIFFERENCE * solver->disc->h[0])) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscTime(&since));

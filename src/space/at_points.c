@@ -169,6 +169,7 @@ PetscErrorCode MpmFindOutside(const MpmSum *sum, const MpmGrid *next, const Pets
 
   PetscFunctionBeginUser;
   *point = -1;
+  if (!sum->layout->motion) PetscFunctionReturn(PETSC_SUCCESS);
   FindLongest(sum, u, longest);
   for (PetscInt a = 0; a < dim; a++) reach[a] = longest[a];
   PetscCall(MpmBasisCreate(space, &basis));

@@ -75,7 +75,8 @@ static void KeepValues(const MpmSum *sum, const MpmGroup *group, PetscInt p, con
   for (PetscInt i = 0; i < dim; i++) {
     for (PetscInt j = 0; j < dim; j++) {
       dF[i * dim + j] = i == j ? 1. : 0.;
-      for (PetscInt k = 0; k < n; k++) dF[i * dim + j] += work->basis.basis[1 + j][k] * values[i * n + k];
+      for (PetscInt k = 0; i < layout->motion && k < n; k++)
+        dF[i * dim + j] += work->basis.basis[1 + j][k] * values[i * n + k];
     }
   }
   det = MpmCofactors(dim * dim, dF, cofactor);
@@ -117,7 +118,7 @@ MPM_INLINE PetscErrorCode CommitGroup(const MpmKnown known, const MpmSum *sum, c
       MpmFetch(trial->F, ahead, points->F_size);
     }
     Interpolate(known, sum, p, values, field);
-    for (PetscInt a = 0; a < dim; a++) points->x[p * dim + a] += field[a];
+    for (PetscInt a = 0; a < (known.solid ? dim : sum->layout->motion); a++) points->x[p * dim + a] += field[a];
     if (!known.solid && points->physics.value) KeepValues(sum, group, p, field, values, work);
     if (points->motion.increment)
       KeepIncrement(dim, field, MpmPointF(points, p), &trial->F[p * points->F_size],

@@ -53,10 +53,10 @@ PetscReal MpmBasisSlope(const MpmBasis *basis, PetscInt dim, PetscInt i, const P
 void MpmWeightsAdd(const PetscReal weight[], const MpmGroup *group, const MpmSum *sum, PetscReal factor,
                    const PetscReal value[], PetscReal y[])
 {
-  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset], axes = PetscMin(sum->space->dim, sum->block);
 
   for (PetscInt i = 0; i < group->node_count; i++)
-    for (PetscInt a = 0; a < sum->space->dim; a++) y[nodes[i] * sum->block + a] += factor * weight[i] * value[a];
+    for (PetscInt a = 0; a < axes; a++) y[nodes[i] * sum->block + a] += factor * weight[i] * value[a];
 }
 
 void MpmPointAddForce(const MpmSum *sum, const MpmBasis *basis, const MpmGroup *group, PetscInt p,

@@ -22,7 +22,7 @@
 static void FindForce(const MpmModel model, PetscReal *size, PetscReal place[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
-  const PetscInt        bs = model->disc.block, dim = model->disc.dim;
+  const PetscInt        bs = model->disc.block, dim = PetscMin(model->disc.dim, bs);
 
   *size = 0.;
   for (PetscInt i = 0; i < MpmNodesOwned(&model->disc); i++) {

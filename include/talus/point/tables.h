@@ -447,7 +447,7 @@ typedef struct {
          Young's modulus stands for the displacement: of a material, for a step dt in cells of h
   symmetric  whether MPM_PHYSICS_SYMMETRIC holds with these values of a material
 
-  The first field must be the displacement increment with as many components as dimensions, which moves the points.
+  The first field is the displacement increment, a component a dimension, which moves the points; or no field is one.
 */
 typedef struct {
   const char         *name;
