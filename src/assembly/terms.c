@@ -263,13 +263,3 @@ PetscErrorCode MpmTermsTangentRest(const MpmTerms *terms, const MpmSum *sum, con
       PetscCall(terms->term[k]->tangent(terms->ctx[k], sum, u, pattern, NULL, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-PetscErrorCode MpmTermsDiagonal(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
-                                PetscInt *failed)
-{
-  PetscFunctionBeginUser;
-  *failed = 0;
-  PetscCall(PetscArrayzero(blocks, sum->space->local * sum->block * sum->block));
-  for (PetscInt k = 0; k < terms->count; k++) PetscCall(MpmTermsDiagonalOne(terms, k, sum, u, blocks, failed));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}

@@ -159,13 +159,11 @@ PetscErrorCode MpmTermsResidualPoints(const MpmTerms *terms, const MpmSum *sum, 
                                       const MpmTrial *trial, PetscReal residual[], PetscInt *failed);
 PetscErrorCode MpmTermsResidualRest(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal residual[],
                                     PetscInt *failed);
-/* Sums over all terms; `blocks` starts from zero; the points' state at the step's end into `trial`, unless NULL. */
+/* Sums over all terms; the points' state at the step's end into `trial`, unless NULL. */
 PetscErrorCode MpmTermsResidual(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], const MpmTrial *trial,
                                 PetscReal residual[], PetscInt *failed);
 PetscErrorCode MpmTermsTangent(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmPattern *pattern,
                                PetscReal residual[], PetscInt *failed);
-PetscErrorCode MpmTermsDiagonal(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
-                                PetscInt *failed);
 /*
   Of term k alone, added: y += (d term / d u) du, the transposed action y += (d term / d u)^T v, and the diagonal; from
   its element blocks where it has no form of its own (element_action.c). The points' action is MpmAction's.

@@ -2,11 +2,13 @@
 /*
   The Jacobian's action on a vector.
 */
+#include "action/factored.h"
 #include "points/spread_mean.h"
 
 /*
-  The Jacobian's action without a matrix. With `stored` each point keeps its tangent; otherwise one dual direction makes
-  each product. With `differences` the plain kernel is differenced in place of duals.
+  The Jacobian's action without a matrix. With `stored` each point keeps its tangent, by sum factorisation where that
+  serves; otherwise one dual direction makes each product. With `differences` the plain kernel is differenced in place
+  of duals.
 */
 typedef struct {
   const MpmSum   *sum;
@@ -14,6 +16,7 @@ typedef struct {
   PetscBool       differences;
   PetscReal      *u;         /* at the local nodes: where the derivative is taken */
   PetscReal      *tangent;   /* per place in the points' order, or NULL */
+  MpmFactored    *factored;  /* in place of `tangent`, or NULL */
   PetscReal      *mean_flux; /* per cell */
   PetscReal      *values, *dvalues, *force, *storage;
   MpmBasis        basis;
@@ -29,4 +32,6 @@ PetscErrorCode MpmActionApplyPoints(MpmAction *action, const PetscReal du[], Pet
 PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal y[], PetscInt *failed);
 /* y += J^T v of all terms: the points' kept tangents where there are some, element blocks otherwise. */
 PetscErrorCode MpmActionTranspose(MpmAction *action, const PetscReal v[], PetscReal y[], PetscInt *failed);
+/* blocks += the diagonal blocks of all terms, block^2 values a local node, row-major. */
+PetscErrorCode MpmActionDiagonal(const MpmAction *action, PetscReal blocks[], PetscInt *failed);
 PetscErrorCode MpmActionDestroy(MpmAction *action);

@@ -13,6 +13,14 @@
 /* Central differences: the step that balances truncation and rounding for inputs of order one. */
 #define FD_STEP 6e-6
 
+/* True where all laws of this rank's points have symmetric tangents. */
+static PetscBool LawsAreSymmetric(const MpmSum *sum)
+{
+  for (PetscInt p = 0; p < sum->points->count; p++)
+    if (!(sum->materials[sum->points->material[p]].info.traits & MPM_LAW_SYMMETRIC)) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBool stored, MpmAction *action)
 {
   const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim), bs = sum->block;
@@ -31,7 +39,8 @@ PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBo
     PetscCall(MpmSpreadWorkCreate(sum, PETSC_TRUE, &action->spread));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (stored)
+  if (stored && MpmFactoredServes(sum)) PetscCall(MpmFactoredCreate(sum, LawsAreSymmetric(sum), &action->factored));
+  else if (stored)
     PetscCall(
       PetscMalloc1(((size_t)sum->space->point_count * (size_t)MpmTangentSize(sum->layout) + 1), &action->tangent));
   PetscCall(MpmCellWorkCreate(sum, &action->cell));
@@ -45,6 +54,7 @@ PetscErrorCode MpmActionDestroy(MpmAction *action)
   PetscCall(PetscFree(action->u));
   PetscCall(PetscFree(action->storage));
   PetscCall(PetscFree(action->tangent));
+  PetscCall(MpmFactoredDestroy(&action->factored));
   PetscCall(PetscFree(action->mean_flux));
   PetscCall(MpmCellWorkDestroy(&action->cell));
   if (action->spread.sum) PetscCall(MpmSpreadWorkDestroy(&action->spread));
@@ -70,24 +80,26 @@ MPM_INLINE void TransposeTimes(PetscInt n, const PetscReal A[], const PetscReal 
     for (PetscInt l = 0; l < n; l++) y[l] += A[k * n + l] * x[k];
 }
 
-/* Keeps the tangents of one group's points. */
-MPM_INLINE PetscErrorCode StoreGroup(const MpmKnown known, MpmAction *action, const MpmGroup *group, PetscBool weights,
+/* Keeps the tangents of one group's points; `halves` becomes false where one of them is not symmetric. */
+MPM_INLINE PetscErrorCode StoreGroup(const MpmKnown known, MpmAction *action, const MpmGroup *group, PetscBool *halves,
                                      PetscInt *failed)
 {
-  const MpmSum *sum = action->sum;
+  const MpmSum   *sum     = action->sum;
+  const PetscBool weights = MpmLayoutUsesValues(sum->layout);
 
   MpmSumGather(known, sum, group, action->u, action->values);
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
     const PetscInt p = sum->space->order[s];
     MpmKernelPoint point;
-    PetscReal      input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS];
+    PetscReal  input[MPM_MAX_INPUTS], flux[MPM_MAX_INPUTS], here[MPM_MAX_DIM * MPM_MAX_DIM * MPM_MAX_DIM * MPM_MAX_DIM];
+    PetscReal *tangent = action->factored ? here : &action->tangent[s * MpmTangentSize(sum->layout)];
 
     MpmSumFetch(known, sum, s);
     MpmSumBasis(known, sum->space, p, weights, &action->basis);
     MpmSumInputs(known, sum->layout, action->values, &action->basis, input);
     MpmSumPoint(sum, p, &point);
-    if (sum->layout->kernel->tangent(&point, input, flux, &action->tangent[s * MpmTangentSize(sum->layout)]))
-      (*failed)++;
+    if (sum->layout->kernel->tangent(&point, input, flux, tangent)) (*failed)++;
+    else if (action->factored && !MpmFactoredSetTangent(action->factored, s, tangent)) *halves = PETSC_FALSE;
   }
   return PETSC_SUCCESS;
 }
@@ -108,10 +120,24 @@ static PetscErrorCode StoreCell(MpmAction *action, PetscInt c, PetscInt *failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Keeps the tangents of all points without means. */
+static PetscErrorCode StorePoints(MpmAction *action, PetscBool *halves, PetscInt *failed)
+{
+  const MpmSum *sum = action->sum;
+
+  PetscFunctionBeginUser;
+  for (PetscInt g = 0; g < sum->space->group_count; g++) {
+    const MpmGroup *group = &sum->space->groups[g];
+
+    MPM_DISPATCH(sum->layout, group, StoreGroup, action, group, halves, failed);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscInt *failed)
 {
-  const MpmSum   *sum     = action->sum;
-  const PetscBool weights = MpmLayoutUsesValues(sum->layout);
+  const MpmSum *sum    = action->sum;
+  PetscBool     halves = PETSC_TRUE;
 
   PetscFunctionBeginUser;
   *failed = 0;
@@ -121,10 +147,13 @@ PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscIn
     for (PetscInt c = 0; c < sum->space->cells.count; c++) PetscCall(StoreCell(action, c, failed));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (PetscInt g = 0; action->tangent && g < sum->space->group_count; g++) {
-    const MpmGroup *group = &sum->space->groups[g];
-
-    MPM_DISPATCH(sum->layout, group, StoreGroup, action, group, weights, failed);
+  if (!action->tangent && !action->factored) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(StorePoints(action, &halves, failed));
+  if (!halves) { /* a law with another tangent than that of its potential */
+    *failed = 0;
+    PetscCall(MpmFactoredDestroy(&action->factored));
+    PetscCall(MpmFactoredCreate(sum, PETSC_FALSE, &action->factored));
+    PetscCall(StorePoints(action, &halves, failed));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -319,6 +348,10 @@ static PetscErrorCode ActPoints(MpmAction *action, PetscBool transposed, const P
   PetscFunctionBeginUser;
   if (action->spread.sum)
     PetscFunctionReturn(MpmSpreadApply(&action->spread, transposed, action->differences, du, y, failed));
+  if (action->factored) {
+    MpmFactoredApply(action->factored, transposed, du, y);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt unit = 0; unit < MpmUnitCount(action->sum); unit++)
     PetscCall(ActUnit(action, unit, transposed, du, y, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -342,12 +375,25 @@ PetscErrorCode MpmActionApply(MpmAction *action, const PetscReal du[], PetscReal
 PetscErrorCode MpmActionTranspose(MpmAction *action, const PetscReal v[], PetscReal y[], PetscInt *failed)
 {
   const MpmTerms *terms = action->terms;
-  const PetscBool kept  = (PetscBool)(action->tangent || action->spread.sum);
+  const PetscBool kept  = (PetscBool)(action->tangent || action->factored || action->spread.sum);
 
   PetscFunctionBeginUser;
   *failed = 0;
   if (kept) PetscCall(ActPoints(action, PETSC_TRUE, v, y, failed));
   for (PetscInt k = 0; k < terms->count; k++)
     if (!terms->term[k]->points || !kept) PetscCall(MpmTermsTransposeOne(terms, k, action->sum, action->u, v, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmActionDiagonal(const MpmAction *action, PetscReal blocks[], PetscInt *failed)
+{
+  const MpmTerms *terms = action->terms;
+
+  PetscFunctionBeginUser;
+  *failed = 0;
+  if (action->factored) MpmFactoredDiagonal(action->factored, blocks);
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (!terms->term[k]->points || !action->factored)
+      PetscCall(MpmTermsDiagonalOne(terms, k, action->sum, action->u, blocks, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

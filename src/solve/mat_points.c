@@ -105,7 +105,8 @@ static PetscErrorCode Blocks(const Matfree *free, PetscReal blocks[])
   PetscInt         failed;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmTermsDiagonal(solver->disc->terms, solver->disc->sum, free->action.u, blocks, &failed));
+  PetscCall(PetscArrayzero(blocks, solver->disc->space->local * bs * bs));
+  PetscCall(MpmActionDiagonal(&free->action, blocks, &failed));
   ExtendBlocks(solver->disc->constraints, solver->disc->space, blocks);
   PetscCall(MpmSpaceAddToOwners(solver->disc->space, bs * bs, blocks));
   MpmFramesRotateBlocks(solver->disc->constraints, bs, solver->disc->space->owned, blocks);

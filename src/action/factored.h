@@ -1,0 +1,49 @@
+#pragma once
+/*
+  The action of the points' tangents by sum factorisation: y += B^T D B x with one contraction an axis.
+
+  Shape functions are products of functions of one coordinate, averaged ones too. The gradient of a point thus takes
+  O(n^(dim + 1)) operations where its basis functions take O(n^dim) each. Points are taken in lanes of the processor's
+  vectors. Their values along each axis and their tangents stand side by side in memory, in the order of the loops.
+*/
+#include "base/base.h"
+#include "base/types.h"
+#include "space/space.h"
+#include "space/sum.h"
+
+/* Private (factored_impl.h). */
+typedef struct MpmFactored MpmFactored;
+
+/* True where it serves: the displacement's gradient, of one shape without smoothing, is all that the kernel takes. */
+PetscBool MpmFactoredServes(const MpmSum *sum);
+
+/*@
+  MpmFactoredCreate - make the action for the points of a prepared step
+
+  Not collective
+
+  Input Parameters:
++ sum  - the points and their space; it must outlive the action
+- half - the tangents are symmetric: one triangle is kept
+
+  Output Parameter:
+. factored - the action; its tangents are zero
+
+  Notes:
+  Takes 8 (2 dim n + N) bytes a point, n nodes an axis, N = dim^2 (dim^2 + 1)/2 numbers with `half`, otherwise dim^4.
+@*/
+PetscErrorCode MpmFactoredCreate(const MpmSum *sum, PetscBool half, MpmFactored **factored);
+PetscErrorCode MpmFactoredDestroy(MpmFactored **factored);
+
+/* Tangent of the point at place s of the points' order, D[k][l], k = component * dim + axis; PETSC_FALSE where one
+   triangle is kept and D has two that differ. */
+PetscBool MpmFactoredSetTangent(MpmFactored *factored, PetscInt s, const PetscReal D[]);
+
+/* y += A x, or A^T x, at the local nodes, dim values each. */
+void MpmFactoredApply(const MpmFactored *factored, PetscBool transposed, const PetscReal x[], PetscReal y[]);
+
+/* blocks += the diagonal blocks of A, dim^2 values a local node, row-major. */
+void MpmFactoredDiagonal(const MpmFactored *factored, PetscReal blocks[]);
+
+/* Bytes that it takes. */
+size_t MpmFactoredBytes(const MpmFactored *factored);

@@ -1,0 +1,323 @@
+/*
+  The loops of the sum-factorised action. With weights w and gradients g of a point along the axes,
+
+    du_c/dx = sum_k w_k sum_j w_j sum_i g_i u_cijk ,   du_c/dy = sum_k w_k sum_j g_j sum_i w_i u_cijk , ... ,
+
+  so that the sums over i serve all axes, then the tangent, and the transposed sums with its fluxes.
+*/
+#include "action/factored_impl.h"
+
+/* Loop bounds known at compile time: the dimension, and the nodes on the first axis where they are not 0. */
+typedef struct {
+  PetscInt  dim, row;
+  PetscBool shared;
+} Known;
+
+MPM_INLINE PetscInt RowOf(const Known known, const MpmStack *stack)
+{
+  return known.row ? known.row : stack->count[0];
+}
+
+/* Number m of the nodal values: one for all lanes of a shared box. */
+MPM_INLINE Lane ValueAt(const Known known, const Lane *values, PetscInt m)
+{
+  return known.shared ? ((const PetscReal *)values)[m] - (Lane){0.} : values[m];
+}
+
+/* gradient[c * dim + a] of the nodal values of a batch; `w`: its lines. */
+MPM_INLINE void TakeGradient(const Known known, const MpmStack *stack, const Lane *restrict w,
+                             const Lane *restrict values, Lane  gradient[])
+{
+  const PetscInt dim = known.dim, nx = RowOf(known, stack), ny = stack->count[1], nz = stack->count[2];
+  const Lane    *gx = w + nx, *wy = gx + nx, *gy = wy + ny, *wz = gy + ny, *gz = wz + nz;
+  PetscInt       m = 0;
+
+  for (PetscInt q = 0; q < dim * dim; q++) gradient[q] = (Lane){0.};
+  for (PetscInt k = 0; k < nz; k++) {
+    Lane x[MPM_MAX_DIM], y[MPM_MAX_DIM], value[MPM_MAX_DIM]; /* of this layer */
+
+    for (PetscInt c = 0; c < dim; c++) x[c] = y[c] = value[c] = (Lane){0.};
+    for (PetscInt j = 0; j < ny; j++) {
+      Lane along[MPM_MAX_DIM], row[MPM_MAX_DIM];
+
+      for (PetscInt c = 0; c < dim; c++) along[c] = row[c] = (Lane){0.};
+      for (PetscInt i = 0; i < nx; i++) {
+        for (PetscInt c = 0; c < dim; c++) {
+          const Lane u = ValueAt(known, values, m++);
+
+          row[c] += w[i] * u;
+          along[c] += gx[i] * u;
+        }
+      }
+      for (PetscInt c = 0; c < dim; c++) {
+        x[c] += wy[j] * along[c];
+        y[c] += gy[j] * row[c];
+        if (dim == MPM_MAX_DIM) value[c] += wy[j] * row[c];
+      }
+    }
+    for (PetscInt c = 0; c < dim; c++) {
+      if (dim == MPM_MAX_DIM) {
+        gradient[c * dim] += wz[k] * x[c];
+        gradient[c * dim + 1] += wz[k] * y[c];
+        gradient[c * dim + 2] += gz[k] * value[c];
+      } else {
+        gradient[c * dim]     = x[c];
+        gradient[c * dim + 1] = y[c];
+      }
+    }
+  }
+}
+
+/* force (+)= the fluxes times the gradients of the basis functions; added where the lanes share a box. */
+MPM_INLINE void AddForce(const Known known, const MpmStack *stack, const Lane *restrict w, const Lane flux[],
+                         Lane *restrict force)
+{
+  const PetscInt dim = known.dim, nx = RowOf(known, stack), ny = stack->count[1], nz = stack->count[2];
+  const Lane    *gx = w + nx, *wy = gx + nx, *gy = wy + ny, *wz = gy + ny, *gz = wz + nz;
+
+  for (PetscInt k = 0; k < nz; k++) {
+    for (PetscInt j = 0; j < ny; j++) {
+      Lane along[MPM_MAX_DIM], row[MPM_MAX_DIM];
+
+      for (PetscInt c = 0; c < dim; c++) {
+        if (dim == MPM_MAX_DIM) {
+          along[c] = wz[k] * wy[j] * flux[c * dim];
+          row[c]   = wz[k] * gy[j] * flux[c * dim + 1] + gz[k] * wy[j] * flux[c * dim + 2];
+        } else {
+          along[c] = wy[j] * flux[c * dim];
+          row[c]   = gy[j] * flux[c * dim + 1];
+        }
+      }
+      for (PetscInt i = 0; i < nx; i++) {
+        for (PetscInt c = 0; c < dim; c++, force++)
+          *force = (known.shared ? *force : (Lane){0.}) + gx[i] * along[c] + w[i] * row[c];
+      }
+    }
+  }
+}
+
+/* flux = D gradient: the upper triangle of D by rows. */
+MPM_INLINE void TimesHalf(PetscInt N, const Lane *restrict D, const Lane gradient[], Lane flux[])
+{
+  for (PetscInt k = 0; k < N; k++) flux[k] = (Lane){0.};
+  for (PetscInt k = 0; k < N; k++) {
+    flux[k] += *D++ * gradient[k];
+    for (PetscInt l = k + 1; l < N; l++, D++) {
+      flux[k] += *D * gradient[l];
+      flux[l] += *D * gradient[k];
+    }
+  }
+}
+
+/* flux = D gradient, or D^T gradient */
+MPM_INLINE void TimesWhole(PetscInt N, PetscBool transposed, const Lane *restrict D, const Lane gradient[], Lane flux[])
+{
+  for (PetscInt k = 0; k < N; k++) flux[k] = (Lane){0.};
+  for (PetscInt k = 0; k < N; k++) {
+    for (PetscInt l = 0; l < N; l++, D++) {
+      if (transposed) flux[l] += *D * gradient[k];
+      else flux[k] += *D * gradient[l];
+    }
+  }
+}
+
+MPM_INLINE void TakeFlux(const Known known, const MpmFactored *factored, PetscBool transposed, PetscInt batch,
+                         const Lane gradient[], Lane flux[])
+{
+  const PetscInt N = known.dim * known.dim;
+  const Lane    *D = &factored->tangent[batch * factored->size];
+
+  if (factored->half) TimesHalf(N, D, gradient, flux);
+  else if (transposed) TimesWhole(N, PETSC_TRUE, D, gradient, flux);
+  else TimesWhole(N, PETSC_FALSE, D, gradient, flux);
+}
+
+/* The nodes of a lane's box, or NULL where it has no point. */
+MPM_INLINE const PetscInt *NodesOf(const MpmFactored *factored, PetscInt lane)
+{
+  const MpmSpace *space = factored->sum->space;
+
+  return factored->group[lane] < 0 ? NULL : &space->group_nodes[space->groups[factored->group[lane]].node_offset];
+}
+
+/* Values at the nodes of a shared box, and of each lane's own. */
+MPM_INLINE void GatherShared(PetscInt dim, PetscInt n, const PetscInt nodes[], const PetscReal x[], PetscReal values[])
+{
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt c = 0; c < dim; c++) *values++ = x[nodes[i] * dim + c];
+}
+MPM_INLINE void GatherLanes(PetscInt dim, PetscInt n, const MpmFactored *factored, PetscInt batch, const PetscReal x[],
+                            Lane values[])
+{
+  for (PetscInt lane = 0; lane < MPM_LANES; lane++) {
+    const PetscInt *nodes = NodesOf(factored, batch * MPM_LANES + lane);
+    PetscReal      *to    = (PetscReal *)values + lane;
+
+    for (PetscInt i = 0; i < n; i++)
+      for (PetscInt c = 0; c < dim; c++, to += MPM_LANES) *to = nodes ? x[nodes[i] * dim + c] : 0.;
+  }
+}
+
+/* Numbers at the nodes to those of all, `block` a node: the sum over the lanes of a shared box, and each lane's own. */
+MPM_INLINE void ScatterShared(PetscInt block, PetscInt n, const PetscInt nodes[], const Lane from[], PetscReal y[])
+{
+  for (PetscInt i = 0; i < n; i++) {
+    for (PetscInt c = 0; c < block; c++, from++) {
+      const Lane f = *from;
+      PetscReal  s = (f[0] + f[1]) + (f[2] + f[3]);
+
+#if MPM_LANES == 8
+      s += (f[4] + f[5]) + (f[6] + f[7]);
+#endif
+      y[nodes[i] * block + c] += s;
+    }
+  }
+}
+MPM_INLINE void ScatterLanes(PetscInt block, PetscInt n, const MpmFactored *factored, PetscInt batch, const Lane from[],
+                             PetscReal y[])
+{
+  for (PetscInt lane = 0; lane < MPM_LANES; lane++) {
+    const PetscInt  *nodes = NodesOf(factored, batch * MPM_LANES + lane);
+    const PetscReal *f     = (const PetscReal *)from + lane;
+
+    for (PetscInt i = 0; nodes && i < n; i++)
+      for (PetscInt c = 0; c < block; c++, f += MPM_LANES) y[nodes[i] * block + c] += *f;
+  }
+}
+
+/* The action of one stack. */
+MPM_INLINE void ApplyStack(const Known known, const MpmFactored *factored, const MpmStack *stack, PetscBool transposed,
+                           const PetscReal x[], PetscReal y[])
+{
+  const PetscInt  dim = known.dim, nx = RowOf(known, stack), ny = stack->count[1], nz = stack->count[2];
+  const PetscInt  n = nx * ny * nz, lines = 2 * (dim == MPM_MAX_DIM ? nx + ny + nz : nx + ny);
+  const PetscInt *nodes  = NodesOf(factored, stack->begin * MPM_LANES);
+  const Lane     *w      = &factored->lines[stack->lines];
+  Lane           *values = factored->work, *force = values + n * dim;
+
+  if (known.shared) {
+    GatherShared(dim, n, nodes, x, (PetscReal *)values);
+    for (PetscInt m = 0; m < n * dim; m++) force[m] = (Lane){0.};
+  }
+  for (PetscInt batch = stack->begin; batch < stack->end; batch++, w += lines) {
+    Lane gradient[MPM_MAX_DIM * MPM_MAX_DIM], flux[MPM_MAX_DIM * MPM_MAX_DIM];
+
+    if (!known.shared) GatherLanes(dim, n, factored, batch, x, values);
+    TakeGradient(known, stack, w, values, gradient);
+    TakeFlux(known, factored, transposed, batch, gradient, flux);
+    AddForce(known, stack, w, flux, force);
+    if (!known.shared) ScatterLanes(dim, n, factored, batch, force, y);
+  }
+  if (known.shared) ScatterShared(dim, n, nodes, force, y);
+}
+
+/* Calls f(known, ...) with constants for the usual cases. */
+#ifdef MPM_LOOPS_GENERAL
+#define ROWS(f, DIM, SHARED, ...)
+#else
+#define ROWS(f, DIM, SHARED, ...) \
+  case 2: \
+    f(((Known){DIM, 2, SHARED}), __VA_ARGS__); \
+    break; \
+  case 3: \
+    f(((Known){DIM, 3, SHARED}), __VA_ARGS__); \
+    break; \
+  case 4: \
+    f(((Known){DIM, 4, SHARED}), __VA_ARGS__); \
+    break; \
+  case 5: \
+    f(((Known){DIM, 5, SHARED}), __VA_ARGS__); \
+    break;
+#endif
+#define BY_ROW(f, DIM, SHARED, stack, ...) \
+  switch ((stack)->count[0]) { \
+    ROWS(f, DIM, SHARED, __VA_ARGS__) \
+  default: \
+    f(((Known){DIM, 0, SHARED}), __VA_ARGS__); \
+    break; \
+  }
+#define BY_BOX(f, DIM, stack, ...) \
+  if ((stack)->shared) { \
+    BY_ROW(f, DIM, PETSC_TRUE, stack, __VA_ARGS__) \
+  } else { \
+    BY_ROW(f, DIM, PETSC_FALSE, stack, __VA_ARGS__) \
+  }
+
+void MpmFactoredApply(const MpmFactored *factored, PetscBool transposed, const PetscReal x[], PetscReal y[])
+{
+  for (PetscInt k = 0; k < factored->stack_count; k++) {
+    const MpmStack *stack = &factored->stack[k];
+
+    if (factored->sum->space->dim == MPM_MAX_DIM) {
+      BY_BOX(ApplyStack, MPM_MAX_DIM, stack, factored, stack, transposed, x, y)
+    } else {
+      BY_BOX(ApplyStack, 2, stack, factored, stack, transposed, x, y)
+    }
+  }
+}
+
+/* D_kl of a batch. */
+MPM_INLINE Lane EntryOf(PetscInt N, PetscBool half, const Lane *D, PetscInt k, PetscInt l)
+{
+  return half ? D[MpmTriangleAt(N, PetscMin(k, l), PetscMax(k, l))] : D[k * N + l];
+}
+
+/*
+  blocks_icd (+)= sum_ab g_ia D_ca,db g_ib of one batch, g_i the gradient of node i's function. Products of two factors
+  stand for both of their orders.
+*/
+MPM_INLINE void AddBlocks(PetscInt dim, PetscBool half, const MpmStack *stack, const Lane *restrict w, const Lane *D,
+                          Lane *restrict blocks)
+{
+  const PetscInt N = dim * dim, nx = stack->count[0], ny = stack->count[1], nz = stack->count[2];
+  const Lane    *gx = w + nx, *wy = gx + nx, *gy = wy + ny, *wz = gy + ny, *gz = wz + nz, one = 1. - (Lane){0.};
+
+  for (PetscInt k = 0; k < nz; k++) {
+    for (PetscInt j = 0; j < ny; j++) {
+      for (PetscInt i = 0; i < nx; i++) {
+        const Lane z    = dim == MPM_MAX_DIM ? wz[k] : one;
+        Lane       g[3] = {gx[i] * wy[j] * z, w[i] * gy[j] * z};
+
+        if (dim == MPM_MAX_DIM) g[2] = w[i] * wy[j] * gz[k];
+        for (PetscInt c = 0; c < dim; c++) {
+          for (PetscInt d = 0; d < dim; d++, blocks++) {
+            for (PetscInt a = 0; a < dim; a++)
+              for (PetscInt b = 0; b < dim; b++) *blocks += g[a] * g[b] * EntryOf(N, half, D, c * dim + a, d * dim + b);
+          }
+        }
+      }
+    }
+  }
+}
+
+/* Diagonal blocks of one stack. */
+MPM_INLINE void DiagonalStack(PetscInt dim, PetscBool half, const MpmFactored *factored, const MpmStack *stack,
+                              PetscReal blocks[])
+{
+  const PetscInt nx = stack->count[0], ny = stack->count[1], nz = stack->count[2], n = nx * ny * nz;
+  const PetscInt lines = 2 * (dim == MPM_MAX_DIM ? nx + ny + nz : nx + ny), block = dim * dim;
+  Lane          *sums = factored->work;
+
+  for (PetscInt batch = stack->begin; batch < stack->end; batch++) {
+    if (batch == stack->begin || !stack->shared)
+      for (PetscInt m = 0; m < n * block; m++) sums[m] = (Lane){0.};
+    AddBlocks(dim, half, stack, &factored->lines[stack->lines + (size_t)((batch - stack->begin) * lines)],
+              &factored->tangent[batch * factored->size], sums);
+    if (!stack->shared) ScatterLanes(block, n, factored, batch, sums, blocks);
+  }
+  if (stack->shared) ScatterShared(block, n, NodesOf(factored, stack->begin * MPM_LANES), sums, blocks);
+}
+
+void MpmFactoredDiagonal(const MpmFactored *factored, PetscReal blocks[])
+{
+  const PetscInt dim = factored->sum->space->dim;
+
+  for (PetscInt k = 0; k < factored->stack_count; k++) {
+    const MpmStack *stack = &factored->stack[k];
+
+    if (dim == MPM_MAX_DIM && factored->half) DiagonalStack(MPM_MAX_DIM, PETSC_TRUE, factored, stack, blocks);
+    else if (dim == MPM_MAX_DIM) DiagonalStack(MPM_MAX_DIM, PETSC_FALSE, factored, stack, blocks);
+    else if (factored->half) DiagonalStack(2, PETSC_TRUE, factored, stack, blocks);
+    else DiagonalStack(2, PETSC_FALSE, factored, stack, blocks);
+  }
+}
