@@ -68,8 +68,7 @@ static PetscErrorCode TakeOutline(const MpmOptions *block, const MpmOutline *out
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Least rectangle about all rings. */
-static void Bounds(MpmRelease release, PetscReal lower[2], PetscReal upper[2])
+void MpmReleaseBounds(MpmRelease release, PetscReal lower[2], PetscReal upper[2])
 {
   for (PetscInt a = 0; a < 2; a++) {
     lower[a] = PETSC_INFINITY;
@@ -93,7 +92,7 @@ static PetscErrorCode Measure(MpmRelease release, PetscBool rectangle, PetscReal
   MpmPart   part     = {.area = 0.};
 
   PetscFunctionBeginUser;
-  Bounds(release, lower, upper);
+  MpmReleaseBounds(release, lower, upper);
   if (rectangle) {
     *area = (upper[0] - lower[0]) * (upper[1] - lower[1]);
     PetscCall(MpmReleaseRectangle(&release->depth.map, lower, upper, &release->exact));
@@ -116,7 +115,7 @@ static void LatticeInCells(MpmRelease release, const PetscInt per_cell[])
   const MpmGrid *grid = release->grid;
   PetscReal      lower[2], upper[2];
 
-  Bounds(release, lower, upper);
+  MpmReleaseBounds(release, lower, upper);
   for (PetscInt a = 0; a < 2; a++) {
     const PetscReal spacing = grid->h[a] / (PetscReal)per_cell[a];
     const PetscReal most    = (PetscReal)grid->cells[a] * (PetscReal)per_cell[a];
@@ -134,7 +133,7 @@ static void LatticeOf(MpmRelease release, PetscReal spacing)
 {
   PetscReal lower[2], upper[2];
 
-  Bounds(release, lower, upper);
+  MpmReleaseBounds(release, lower, upper);
   for (PetscInt a = 0; a < 2; a++) {
     const PetscReal extent = upper[a] - lower[a];
 
@@ -199,10 +198,11 @@ static PetscErrorCode Check(const MpmOptions *block, const MpmBed *bed, MpmRelea
 PetscErrorCode MpmReleaseCreate(const MpmOptions *block, const MpmGrid *grid, const MpmBed *bed,
                                 const MpmOutline *outline, const PetscInt per_cell[], MpmRelease *handle)
 {
-  MpmRelease release;
-  PetscInt   number = 0;
-  PetscBool  given;
-  PetscReal  area;
+  static const char *const spreads[] = {"even", "mass", "bed", "depth", NULL};
+  MpmRelease               release;
+  PetscInt                 number = 0, spread = MPM_SPREAD_EVEN;
+  PetscBool                given, steepens;
+  PetscReal                area, steep = 10.;
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(handle));
@@ -210,8 +210,19 @@ PetscErrorCode MpmReleaseCreate(const MpmOptions *block, const MpmGrid *grid, co
   release->grid = grid;
   PetscCall(MpmOptionsInt(block, "points", "with region raster: number of points, about, instead of points_per_cell", 1,
                           PETSC_MAX_INT / 4, MPM_OPTIONAL, &number, &given));
+  PetscCall(MpmOptionsWord(block, "spread",
+                           "of a number of points: evenly; as parts of equal mass; or denser where the bed or the "
+                           "depth is steep",
+                           spreads, MPM_OPTIONAL, &spread, NULL));
+  PetscCall(MpmOptionsReal(block, "steep", "-",
+                           "with spread bed or depth: points are sqrt(1 + (this times the slope)^2) times as dense",
+                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &steep, &steepens));
   PetscCall(MpmReleaseDepthRead(block, grid, bed, outline, &release->depth));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(!spread || given, "-%sspread %s: needs the number of points, -%spoints", block->prefix, spreads[spread],
+                block->prefix);
+  MpmCheckInput(!steepens || spread >= MPM_SPREAD_BED, "-%ssteep: is for -%sspread bed or depth", block->prefix,
+                block->prefix);
   if (outline) PetscCall(TakeOutline(block, outline, release));
   else PetscCall(TakeRectangle(block, release));
   PetscCall(Measure(release, (PetscBool)!outline, &area));
@@ -220,6 +231,7 @@ PetscErrorCode MpmReleaseCreate(const MpmOptions *block, const MpmGrid *grid, co
     LatticeInCells(release, per_cell);
     PetscCall(MpmReleaseSort(release));
   }
+  if (spread && release->total) PetscCall(MpmReleaseDivide(release, bed, number, (MpmReleaseSpread)spread, steep));
   PetscCall(Check(block, bed, release));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -231,6 +243,7 @@ PetscErrorCode MpmReleaseDestroy(MpmRelease *handle)
   PetscFunctionBeginUser;
   if (!release) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmReleaseForget(release));
+  PetscCall(PetscFree(release->parts.point));
   for (PetscInt f = 0; f < release->features; f++) PetscCall(MpmRingsDestroy(&release->rings[f]));
   PetscCall(PetscFree(release->rings));
   PetscCall(MpmReleaseDepthDestroy(&release->depth));
@@ -261,6 +274,11 @@ PetscBool MpmReleaseNext(MpmRelease release, PetscInt64 *cursor, MpmReleasePoint
   const MpmReleaseLattice *lattice = &release->lattice;
   const PetscInt64         columns = lattice->count[0], end = columns * (release->rows[1] - release->rows[0]);
 
+  if (release->parts.on) {
+    if (*cursor >= release->parts.count) return PETSC_FALSE;
+    *point = release->parts.point[(*cursor)++];
+    return PETSC_TRUE;
+  }
   for (; *cursor < end; (*cursor)++) {
     const PetscInt i = (PetscInt)(*cursor % columns), j = release->rows[0] + (PetscInt)(*cursor / columns);
     const PetscInt box   = release->box[(PetscInt64)(j - release->kept[0]) * columns + i];

@@ -306,9 +306,6 @@ PetscErrorCode MpmReleaseSort(MpmRelease release)
 {
   const MpmReleaseLattice *lattice = &release->lattice;
   const PetscMPIInt        rank = release->grid->rank, size = release->grid->size;
-  PetscInt64               cursor = 0;
-  PetscReal                beyond = 0.; /* rounding of the sum */
-  MpmReleasePoint          point;
   Row                      row = {.mark = NULL};
 
   PetscFunctionBeginUser;
@@ -326,6 +323,17 @@ PetscErrorCode MpmReleaseSort(MpmRelease release)
   PetscCall(PetscFree2(row.mark, row.change));
   PetscCall(MpmRingsDestroy(&row.strip));
   for (PetscInt k = 0; k < 2; k++) PetscCall(MpmRingsDestroy(&row.spare[k]));
+  PetscCall(MpmReleaseSum(release));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReleaseSum(MpmRelease release)
+{
+  PetscInt64      cursor = 0;
+  PetscReal       beyond = 0.; /* rounding of the sum */
+  MpmReleasePoint point;
+
+  PetscFunctionBeginUser;
   release->count = 0;
   release->sum   = 0.;
   for (; MpmReleaseNext(release, &cursor, &point); release->count++) { /* Kahan (1965), doi:10.1145/363707.363723 */

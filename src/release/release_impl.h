@@ -19,6 +19,9 @@ typedef struct {
   PetscReal *row;           /* room for those of a row of boxes */
 } MpmReleaseWeights;
 
+/* Places of a given number of points: on a lattice, or as parts of equal mass, of the bed's area, or the depth's. */
+typedef enum { MPM_SPREAD_EVEN, MPM_SPREAD_MASS, MPM_SPREAD_BED, MPM_SPREAD_DEPTH } MpmReleaseSpread;
+
 struct _p_MpmRelease {
   const MpmGrid    *grid;
   MpmReleaseDepth   depth;
@@ -32,12 +35,27 @@ struct _p_MpmRelease {
   MpmPart          *cut;
   PetscInt64        count, total; /* points of this rank, of all */
   PetscReal         exact, sum;   /* volumes over all ranks, m3 */
-  PetscBool         overlap;      /* features overlap */
+  struct {
+    PetscBool        on; /* the points of this rank are these, in place of the lattice's */
+    PetscInt64       count;
+    MpmReleasePoint *point;
+  } parts;
+  PetscBool overlap; /* features overlap */
 };
 
 /* Sorts the boxes of the lattice into none, whole and cut ones, and counts points (release_boxes.c). */
 PetscErrorCode MpmReleaseSort(MpmRelease release);
 PetscErrorCode MpmReleaseForget(MpmRelease release);
+/*
+  Puts a number of points in place of the lattice's (release_tree.c); those of a surface are denser by its slope times
+  `steep`.
+*/
+PetscErrorCode MpmReleaseDivide(MpmRelease release, const MpmBed *bed, PetscInt64 number, MpmReleaseSpread spread,
+                                PetscReal steep);
+/* Counts the points and adds their volumes. Collective. */
+PetscErrorCode MpmReleaseSum(MpmRelease release);
+/* Least rectangle about all rings. */
+void MpmReleaseBounds(MpmRelease release, PetscReal lower[2], PetscReal upper[2]);
 /* Integral of a map over a rectangle, m3. */
 PetscErrorCode MpmReleaseRectangle(const MpmMap *map, const PetscReal lower[2], const PetscReal upper[2],
                                    PetscReal *volume);

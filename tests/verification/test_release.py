@@ -229,6 +229,23 @@ with Test() as test:
         test.near("share", float(share["volume"].sum()), 0.02 * plan * (10 + 0.5 * centre.x - 0.1 * centre.y), relative=1e-12)
         test.near("share.centre", float((first["position"] * first["volume"].reshape(-1, 1)).sum(axis=0)[0] / first["volume"].sum()),
                   centre.x, relative=1e-12)
+    # parts of equal mass, and denser points where the depth or the bed is steep
+    body = "outline: star.geojson, depth: hill.asc, points: 5000, spread: mass"
+    state = case.points(body)
+    test.check("mass.count", len(state["volume"]), 5000, 5000)
+    test.near("mass.equal", float(np.ptp(state["mass"]) / state["mass"].mean()), 0.0, absolute=1e-11)
+    if geometry:
+        test.near("mass.volume", float(state["volume"].sum()), exact, relative=1e-10)
+    test.check("mass.ranks", float(abs(case.points(body, ranks=3)["position"] - state["position"]).max()), 0, 0)
+    y, x = np.mgrid[-1:101, -1:101] + 0.5
+    write_grid(case.folder / "step.asc", 10 / (1 + np.exp(-(x - 50) / 3)), -0.5, -0.5, 1.0)
+    for label, bed, body in (("bed", "terrain: {file: step.asc}", "outline: star.geojson, depth: thickness, spread: bed, points: 5000"),
+                             ("depth", PLANE, "depth: step.asc, spread: depth, points: 5000")):
+        state = case.points(body, bed)
+        steep = abs(state["position"][:, 0] - 50) < 3
+        even = abs(first["position"][:, 0] - 50) < 3 if label == "bed" else 0.06
+        test.check(f"{label}.denser", float(np.mean(steep) / np.mean(even)), 2.0, None)
+        test.near(f"{label}.volume", float(state["volume"].sum()), 2.5 * plan if label == "bed" else 50000.0, relative=1e-3)
     before = np.where(hill > 1.5, hill, 1.0)
     write_grid(case.folder / "before.asc", before + 100, 0.5, 0.5, 1.0)
     write_grid(case.folder / "after.asc", 101 + 0 * hill, 0.5, 0.5, 1.0)
@@ -266,5 +283,6 @@ with Test() as test:
     case.refuse("two", "one of depth, fraction", "depth: hill.asc, fraction: 0.1")
     case.refuse("after", "after is missing", "before: before.asc")
     case.refuse("few", "more than a cell", "depth: hill.asc, points: 100")
+    case.refuse("spread", "needs the number of points", "outline: star.geojson, depth: 1, spread: mass")
     case.refuse("file", "cannot be read", "outline: nowhere.geojson, depth: 1")
     check_ground(test, shapely if geometry else None)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Examples of flow over terrain: exact solutions of a dam break, a bowl and a cap, a lake at rest, a real valley, mud, a torrent.
+"""Examples of flow over terrain: exact solutions of a dam break, a bowl and a cap, a lake at rest, a real valley, mud, a torrent, a hillside.
 
 Quick.
 """
@@ -13,7 +13,7 @@ from talus_test import EXAMPLES, Test, call, example  # noqa: E402
 import matplotlib  # noqa: E402
 
 RUNS = (("ritter", 1, {}), ("cap", 3, {}), ("cap", 1, {"mpm_time_end": 5}), ("lake", 3, {}), ("bowl", 1, {}), ("mudflow", 3, {}), ("columns", 3, {}),
-        ("valley", 1, {}), ("torrent", 1, {}))
+        ("valley", 1, {}), ("torrent", 1, {}), ("dem_slope", 1, {}))
 
 with Test() as test:
     for name, ranks, options in RUNS:
