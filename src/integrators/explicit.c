@@ -18,6 +18,7 @@
   Sources: Sulsky, Zhou, Schreyer (1995), Comput. Phys. Commun. 87, 236-252, doi:10.1016/0010-4655(94)00170-7 (musl);
   Bardenhagen (2002), J. Comput. Phys. 180, 383-403, doi:10.1006/jcph.2002.7103 (usf, usl).
 */
+#include "talus/point/basal.h"
 #include "point/layout.h"
 #include "grid/grid.h"
 #include "grid/shape.h"
@@ -30,6 +31,7 @@
 #include "bc/bc.h"
 #include "assembly/terms.h"
 #include "points/point_terms.h"
+#include "terrain/bed_flow.h"
 #include "volume/damping.h"
 #include "volume/inertia.h"
 #include "loads/body_surface.h"
@@ -107,6 +109,13 @@ static PetscBool IsPlain(const MpmModel model)
   return (PetscBool)(!model->disc.layout->means && (model->scene.physics.traits & MPM_PHYSICS_STRESS));
 }
 
+/* True where points are columns without stress, whose state needs no kernel. */
+static PetscBool IsColumns(const MpmModel model)
+{
+  return (PetscBool)(IsPlain(model) && (model->scene.physics.traits & MPM_PHYSICS_COLUMNS) &&
+                     !model->disc.space->shapes.at[0].cross);
+}
+
 /*
   State of the points at displacements u of the nodes, into the trial; `force`: NULL, or their forces there. `still`: in
   the stress of the step's start, and the trial stays as it is.
@@ -122,7 +131,8 @@ static PetscErrorCode EvaluatePoints(MpmModel model, const PetscReal u[], PetscB
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_RESIDUAL, &since));
   sum.mode = still && !model->disc.layout->means ? MPM_MODE_START : MPM_MODE_END;
-  if (!force && !model->disc.layout->means) PetscCall(MpmPointsUpdate(&sum, u, trial, &failed));
+  if (!force && IsColumns(model)) PetscCall(MpmBedUpdateColumns(&sum, u, trial, &failed));
+  else if (!force && !model->disc.layout->means) PetscCall(MpmPointsUpdate(&sum, u, trial, &failed));
   else {
     PetscReal *to = force ? force : model->state.scheme.dynamics->a_rest;
 
@@ -440,7 +450,9 @@ static PetscErrorCode Observe(MpmModel model)
   PetscCall(MpmStepMeanLoads(model, model->state.time + model->disc.sum->step.span, 1., dynamics->loads));
   GravityGain(model, gain);
   AddGravity(model, gain, dynamics->loads);
-  PetscCall(AddWork(model, KickLength(model), &(MpmStepWork){.u = model->disc.nodal.u, .loads = dynamics->loads}));
+  PetscCall(
+    AddWork(model, KickLength(model),
+            &(MpmStepWork){.u = model->disc.nodal.u, .loads = dynamics->loads, .unstrained = IsColumns(model)}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

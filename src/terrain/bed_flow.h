@@ -82,6 +82,9 @@ struct MpmBedFlow {
   PetscReal       *own; /* [material*MPM_BED_PARAMETERS + place] at a node; NULL: none is by map */
 };
 
+/* Two numbers side by side; a pointer to numbers may be taken for one to pairs. */
+typedef PetscReal MpmTwo __attribute__((vector_size(2 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
+
 extern const MpmTerm MpmTermBed;
 PetscErrorCode       MpmBedFlowDestroy(MpmBedFlow **flow);
 /* Parameters of a material's law at the node that they were last found for. */
@@ -103,6 +106,8 @@ PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[]
 /* Work of depth, slope and resistance in an increment. */
 PetscErrorCode MpmBedWork(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
                           MpmTermWork *work);
+/* State of the points, which are columns, at displacements u of the nodes; adds those without one (bed_columns.c). */
+PetscErrorCode MpmBedUpdateColumns(const MpmSum *sum, const PetscReal u[], MpmTrial *trial, PetscInt *failed);
 /* Takes energy from oscillations of affine velocities at a step's end (bed_calm.c). */
 PetscErrorCode MpmBedCalm(const MpmBedFlow *flow, const MpmSum *sum);
 /* Lateral friction of the points with the flow about them, nodes displaced by u (bed_mixing.c). */

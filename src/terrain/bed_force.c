@@ -14,9 +14,6 @@
 #define MOST_KNOWN 16   /* nodes of a group with a loop of its own */
 #define FAILS      0.25 /* of the weights of a point's nodes: a front on a slope leaves that many without balance */
 
-/* Two numbers side by side; a pointer to numbers may be taken for one to pairs. */
-typedef PetscReal Pair __attribute__((vector_size(2 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
-
 /* g of a column's material, m/s2. */
 static PetscReal Gravity(const MpmSum *sum, PetscInt point)
 {
@@ -98,7 +95,7 @@ MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, const PetscInt
   const PetscReal  mass = MpmPointMass(points, sum->materials, p), covered = Covered(sum, p, volume / depth);
   PetscReal        bed = 0., slope[2] = {0., 0.};
   Slim             first, by, second;
-  Pair             shared = {mass, mass / depth};
+  MpmTwo           shared = {mass, mass / depth};
 
   for (PetscInt i = 0; i < known.n; i++) {
     const PetscReal Z = flow->height[nodes[i]];
@@ -117,7 +114,7 @@ MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, const PetscInt
 
     sums[0] += (first + by * (bed - flow->height[nodes[i]])) * w;
     sums[1] += second * w;
-    *(Pair *)&flow->shares[(nodes[i] * flow->materials + material) * MPM_BED_SHARES] += shared * w;
+    *(MpmTwo *)&flow->shares[(nodes[i] * flow->materials + material) * MPM_BED_SHARES] += shared * w;
   }
 }
 
@@ -128,16 +125,16 @@ MPM_INLINE void AddSlopes(const MpmKnown known, const PetscInt nodes[], PetscInt
   const MpmOnBed *at     = &flow->point[p];
   const PetscReal volume = at->area * at->depth, level = at->depth + at->bed;
   PetscReal       slope[2] = {0., 0.};
-  Pair            squares;
+  MpmTwo          squares;
 
   for (PetscInt i = 0; i < known.n; i++) {
     const PetscReal above = flow->level[nodes[i] * MPM_LEVEL_COUNT + MPM_LEVEL] - level;
 
     for (PetscInt a = 0; a < 2; a++) slope[a] += MpmBasisAt(basis, 1 + a, i) * above;
   }
-  squares = (Pair){PetscSqr(slope[0]) + PetscSqr(slope[1]), PetscSqr(at->slope[0]) + PetscSqr(at->slope[1])} * volume;
+  squares = (MpmTwo){PetscSqr(slope[0]) + PetscSqr(slope[1]), PetscSqr(at->slope[0]) + PetscSqr(at->slope[1])} * volume;
   for (PetscInt i = 0; i < known.n; i++)
-    *(Pair *)&flow->steep[nodes[i] * MPM_STEEP_COUNT] += squares * MpmBasisAt(basis, 0, i);
+    *(MpmTwo *)&flow->steep[nodes[i] * MPM_STEEP_COUNT] += squares * MpmBasisAt(basis, 0, i);
 }
 
 /* Where the balance fails at a share of a point's nodes, it fails at all of them: the point's part of that. */
@@ -165,11 +162,11 @@ MPM_INLINE void AddForce(const MpmKnown known, const MpmSum *sum, const PetscInt
   const PetscReal c        = MpmBedCosine2(flow->bed, at->slope);
   const PetscReal pressure = 0.5 * c * weight * at->depth * MpmBedEarthPressure(sum, p, at->depth, c);
   const PetscReal lean     = flow->bed->normal ? c * pressure : 0.;
-  const Pair      slope    = {at->slope[0], at->slope[1]};
+  const MpmTwo    slope    = {at->slope[0], at->slope[1]};
 
   for (PetscInt i = 0; i < known.n; i++) {
     const PetscReal *level    = &flow->level[nodes[i] * MPM_LEVEL_COUNT];
-    const Pair       gradient = {MpmBasisAt(basis, 1, i), MpmBasisAt(basis, 2, i)};
+    const MpmTwo     gradient = {MpmBasisAt(basis, 1, i), MpmBasisAt(basis, 2, i)};
     PetscReal        push = pressure, pull = weight;
 
     if (still) {
@@ -181,7 +178,7 @@ MPM_INLINE void AddForce(const MpmKnown known, const MpmSum *sum, const PetscInt
     }
     pull = c * MpmBasisAt(basis, 0, i) * pull +
            lean * level[MPM_LEVEL_TILT] * (gradient[0] * slope[0] + gradient[1] * slope[1]);
-    *(Pair *)&flow->force[nodes[i] * 2] += gradient * push - slope * pull;
+    *(MpmTwo *)&flow->force[nodes[i] * 2] += gradient * push - slope * pull;
   }
 }
 
