@@ -101,6 +101,8 @@ static inline PetscReal MpmBedCosine2(const MpmBed *bed, const PetscReal slope[]
 /* At the local nodes, from the sums there (bed_level.c): the mean level and bed; and what the slopes say of them. */
 void MpmBedFindMeans(const MpmSum *sum, MpmBedFlow *flow);
 void MpmBedFindLevels(const MpmSum *sum, MpmBedFlow *flow);
+/* Marks in `failed` the nodes about which the mean surface may be level; elsewhere it is not. */
+PetscErrorCode MpmBedFindGentle(const MpmSum *sum, MpmBedFlow *flow);
 /* Velocities of the nodes after an increment over `kick`, s, with the resistance of the bed (bed_resistance.c). */
 PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal kick, PetscReal velocity[]);
 /* Work of depth, slope and resistance in an increment. */

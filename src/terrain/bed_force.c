@@ -85,7 +85,22 @@ static PetscReal Covered(const MpmSum *sum, PetscInt p, PetscReal area)
   return half ? PetscMin(area, 4. * half[p * 2] * half[p * 2 + 1] * sum->cell[0] * sum->cell[1]) : area;
 }
 
-/* A point and its bed; its part of the sums at its nodes. */
+/* A point's forces where no node is in balance with water at rest. */
+typedef struct {
+  PetscReal weight, c, pressure, lean; /* rho g V, N; cos^2; along the bed, and its part c (1 - c)/s^2, N m */
+} Forces;
+
+MPM_INLINE Forces FindForces(const MpmSum *sum, PetscInt p, const MpmBedFlow *flow)
+{
+  const MpmOnBed *at     = &flow->point[p];
+  const PetscReal weight = MpmPointMass(sum->points, sum->materials, p) * Gravity(sum, p);
+  const PetscReal c      = MpmBedCosine2(flow->bed, at->slope);
+  const PetscReal push   = 0.5 * c * weight * at->depth * MpmBedEarthPressure(sum, p, at->depth, c);
+
+  return (Forces){weight, c, push, flow->bed->normal ? c * push : 0.};
+}
+
+/* A point and its bed; its part of the sums at its nodes, and its forces where the surface is not level. */
 MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, const PetscInt nodes[], PetscInt p,
                          const MpmBasis *basis, MpmBedFlow *flow)
 {
@@ -95,6 +110,7 @@ MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, const PetscInt
   const PetscReal  mass = MpmPointMass(points, sum->materials, p), covered = Covered(sum, p, volume / depth);
   PetscReal        bed = 0., slope[2] = {0., 0.};
   Slim             first, by, second;
+  Forces           of;
   MpmTwo           shared = {mass, mass / depth};
 
   for (PetscInt i = 0; i < known.n; i++) {
@@ -108,13 +124,18 @@ MPM_INLINE void AddPoint(const MpmKnown known, const MpmSum *sum, const PetscInt
   first          = (Slim){volume, volume * depth, 0., volume * 0.5 * PetscSqrtReal(covered)};
   by             = (Slim){0., volume, volume, 0.};
   second         = (Slim){covered, mass, mass * slope[0], mass * slope[1]};
+  of             = FindForces(sum, p, flow);
   for (PetscInt i = 0; i < known.n; i++) {
+    const MpmTwo    gradient = {MpmBasisAt(basis, 1, i), MpmBasisAt(basis, 2, i)}, down = {slope[0], slope[1]};
     const PetscReal w    = MpmBasisAt(basis, 0, i);
     Slim           *sums = (Slim *)&flow->sums[nodes[i] * MPM_BED_SUMS];
 
     sums[0] += (first + by * (bed - flow->height[nodes[i]])) * w;
     sums[1] += second * w;
     *(MpmTwo *)&flow->shares[(nodes[i] * flow->materials + material) * MPM_BED_SHARES] += shared * w;
+    *(MpmTwo *)&flow->force[nodes[i] * 2] +=
+      gradient * of.pressure -
+      down * (of.c * w * of.weight + of.lean * (gradient[0] * slope[0] + gradient[1] * slope[1]));
   }
 }
 
@@ -150,35 +171,36 @@ MPM_INLINE void AddFailures(const MpmKnown known, const PetscInt nodes[], PetscI
     flow->failed[nodes[i]] += MpmBasisAt(basis, 0, i) * volume * PetscMin(fails / FAILS, 1.);
 }
 
+/* True where forces are other than those of AddPoint(): the surface is level, or points fill what a level wets. */
+static PetscBool IsLevel(const MpmBedFlow *flow, PetscInt node)
+{
+  const PetscReal *level = &flow->level[node * MPM_LEVEL_COUNT];
+
+  return (PetscBool)(level[MPM_LEVEL_PART] != 0. || (flow->bed->normal && level[MPM_LEVEL_TILT] != 1. &&
+                                                     flow->steep[node * MPM_STEEP_COUNT + MPM_STEEP_BED] > 0.));
+}
+
 /*
-  A point's forces on its nodes; `still`: some of them are in balance with water at rest. 1 - c is s^2 c on slopes s, so
-  that M is c (I - k c s s^T).
+  A point's forces on those of its nodes that have them in place of AddPoint()'s. 1 - c is s^2 c on slopes s, so that M
+  is c (I - k c s s^T).
 */
 MPM_INLINE void AddForce(const MpmKnown known, const MpmSum *sum, const PetscInt nodes[], PetscInt p,
-                         const MpmBasis *basis, PetscBool still, MpmBedFlow *flow)
+                         const MpmBasis *basis, MpmBedFlow *flow)
 {
-  const MpmOnBed *at       = &flow->point[p];
-  const PetscReal weight   = MpmPointMass(sum->points, sum->materials, p) * Gravity(sum, p); /* rho g V */
-  const PetscReal c        = MpmBedCosine2(flow->bed, at->slope);
-  const PetscReal pressure = 0.5 * c * weight * at->depth * MpmBedEarthPressure(sum, p, at->depth, c);
-  const PetscReal lean     = flow->bed->normal ? c * pressure : 0.;
-  const MpmTwo    slope    = {at->slope[0], at->slope[1]};
+  const MpmOnBed *at    = &flow->point[p];
+  const Forces    of    = FindForces(sum, p, flow);
+  const MpmTwo    slope = {at->slope[0], at->slope[1]};
 
   for (PetscInt i = 0; i < known.n; i++) {
     const PetscReal *level    = &flow->level[nodes[i] * MPM_LEVEL_COUNT];
     const MpmTwo     gradient = {MpmBasisAt(basis, 1, i), MpmBasisAt(basis, 2, i)};
-    PetscReal        push = pressure, pull = weight;
+    const PetscReal  d = level[MPM_LEVEL] - at->bed, D = level[MPM_LEVEL] - level[MPM_LEVEL_BED];
+    const PetscReal  rest = level[MPM_LEVEL_PART] * of.weight / at->depth;
+    const PetscReal  push = of.pressure - 0.5 * rest * (of.c * d * d - level[MPM_LEVEL_WET] * D * D);
+    const PetscReal  pull = of.c * MpmBasisAt(basis, 0, i) * (of.weight - rest * d) +
+                           of.lean * level[MPM_LEVEL_TILT] * (gradient[0] * slope[0] + gradient[1] * slope[1]);
 
-    if (still) {
-      const PetscReal d = level[MPM_LEVEL] - at->bed, D = level[MPM_LEVEL] - level[MPM_LEVEL_BED];
-      const PetscReal rest = level[MPM_LEVEL_PART] * weight / at->depth;
-
-      push -= 0.5 * rest * (c * d * d - level[MPM_LEVEL_WET] * D * D);
-      pull -= rest * d;
-    }
-    pull = c * MpmBasisAt(basis, 0, i) * pull +
-           lean * level[MPM_LEVEL_TILT] * (gradient[0] * slope[0] + gradient[1] * slope[1]);
-    *(MpmTwo *)&flow->force[nodes[i] * 2] += gradient * push - slope * pull;
+    if (IsLevel(flow, nodes[i])) *(MpmTwo *)&flow->force[nodes[i] * 2] += gradient * push - slope * pull;
   }
 }
 
@@ -192,17 +214,34 @@ static PetscBool HasPart(const MpmGroup *group, const PetscInt nodes[], PetscRea
   return PETSC_TRUE;
 }
 
+/* True where forces of a group's points are other than those of AddPoint() at any of their nodes. */
+static PetscBool HasLevel(const MpmGroup *group, const PetscInt nodes[], const MpmBedFlow *flow)
+{
+  for (PetscInt i = 0; i < group->node_count; i++)
+    if (IsLevel(flow, nodes[i])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* True where a surface may be level at any node of a group. */
+static PetscBool HasGentle(const MpmGroup *group, const PetscInt nodes[], const MpmBedFlow *flow)
+{
+  for (PetscInt i = 0; i < group->node_count; i++)
+    if (flow->failed[nodes[i]] > 0.) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* The points of a group. */
 MPM_INLINE PetscErrorCode VisitGroup(const MpmKnown known, Visit visit, const MpmSum *sum, const MpmGroup *group,
                                      const MpmBasis *room, MpmBedFlow *flow)
 {
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
-  const PetscBool none  = (PetscBool)(visit >= FAILURES && HasPart(group, nodes, 0., flow));
   PetscReal       storage[MPM_BASES * MOST_KNOWN];
   MpmBasis        basis;
 
   /* where the balance fails nowhere or everywhere a point's part changes nothing */
-  if (visit == FAILURES && (none || HasPart(group, nodes, 1., flow))) return PETSC_SUCCESS;
+  if (visit == FAILURES && (HasPart(group, nodes, 0., flow) || HasPart(group, nodes, 1., flow))) return PETSC_SUCCESS;
+  if (visit == SLOPES && !HasGentle(group, nodes, flow)) return PETSC_SUCCESS;
+  if (visit == FORCES && !HasLevel(group, nodes, flow)) return PETSC_SUCCESS;
   if (known.solid) MpmBasisPlace(sum->space, known.n, storage, &basis);
   else basis = *room;
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
@@ -213,8 +252,7 @@ MPM_INLINE PetscErrorCode VisitGroup(const MpmKnown known, Visit visit, const Mp
     if (visit == POINTS) AddPoint(known, sum, nodes, p, &basis, flow);
     else if (visit == SLOPES) AddSlopes(known, nodes, p, &basis, flow);
     else if (visit == FAILURES) AddFailures(known, nodes, p, &basis, flow);
-    else if (none) AddForce(known, sum, nodes, p, &basis, PETSC_FALSE, flow);
-    else AddForce(known, sum, nodes, p, &basis, PETSC_TRUE, flow);
+    else AddForce(known, sum, nodes, p, &basis, flow);
   }
   return PETSC_SUCCESS;
 }
@@ -252,12 +290,16 @@ static PetscErrorCode Push(void *ctx, const MpmSum *sum, PetscReal force[])
   PetscCall(MpmSpaceAddToOwners(sum->space, shares, flow->shares));
   PetscCall(MpmSpaceToGhosts(sum->space, shares, flow->shares));
   MpmBedFindMeans(sum, flow);
+  PetscCall(MpmBedFindGentle(sum, flow));
   PetscCall(PassSlopes(sum, &basis, MPM_STEEP_COUNT, flow->steep, flow));
   MpmBedFindLevels(sum, flow);
+  PetscCall(PetscArrayzero(flow->failed, sum->space->local));
   PetscCall(PassFailures(sum, &basis, 1, flow->failed, flow));
   for (PetscInt i = 0; i < sum->space->local; i++)
     flow->level[i * MPM_LEVEL_COUNT + MPM_LEVEL_PART] *=
       PetscMax(1. - flow->failed[i] / (FAILS * flow->sums[i * MPM_BED_SUMS + MPM_BED_VOLUME]), 0.);
+  for (PetscInt i = 0; i < sum->space->local; i++)
+    if (IsLevel(flow, i)) flow->force[i * 2] = flow->force[i * 2 + 1] = 0.;
   PetscCall(PassForces(sum, &basis, sum->block, flow->force, flow));
   for (PetscInt k = 0; k < sum->space->local * sum->block; k++) force[k] += flow->force[k];
   PetscCall(MpmBasisDestroy(&basis));

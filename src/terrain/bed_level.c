@@ -122,6 +122,62 @@ void MpmBedFindMeans(const MpmSum *sum, MpmBedFlow *flow)
   }
 }
 
+/* Differences of the level and of the bed along an axis of a group, m. */
+typedef struct {
+  PetscReal least, most, bed; /* of the level, signed; the largest of the bed */
+} Edges;
+
+/* From each node of a group to the next one `stride` on, on an axis with `count` nodes. */
+static Edges FindEdges(const MpmGroup *group, const PetscInt nodes[], PetscInt stride, PetscInt count,
+                       const MpmBedFlow *flow)
+{
+  Edges edges = {PETSC_MAX_REAL, -PETSC_MAX_REAL, 0.};
+
+  for (PetscInt i = 0; i + stride < group->node_count; i++) {
+    const PetscInt  from = nodes[i], to = nodes[i + stride];
+    const PetscReal rise =
+      flow->level[to * MPM_LEVEL_COUNT + MPM_LEVEL] - flow->level[from * MPM_LEVEL_COUNT + MPM_LEVEL];
+
+    if (stride == 1 && i % count == count - 1) continue;
+    edges.least = PetscMin(edges.least, rise);
+    edges.most  = PetscMax(edges.most, rise);
+    edges.bed   = PetscMax(edges.bed, PetscAbsReal(flow->height[to] - flow->height[from]));
+  }
+  return edges;
+}
+
+/*
+  True where the mean surface at all points of a group has more than TILT_FROM of the slope of the bed: gradients at a
+  point are means of differences between its nodes.
+*/
+static PetscBool IsTilted(const MpmSum *sum, const MpmGroup *group, const MpmBedFlow *flow)
+{
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+  const Edges     x     = FindEdges(group, nodes, 1, group->count[0], flow);
+  const Edges     y     = FindEdges(group, nodes, group->count[0], group->count[0], flow);
+  const PetscReal slope =
+    PetscMax(PetscMax(x.least, -x.most) / sum->cell[0], PetscMax(y.least, -y.most) / sum->cell[1]);
+
+  return (PetscBool)(slope > 0. && PetscSqr(slope) > PetscSqr(1.01 * TILT_FROM) * (PetscSqr(x.bed / sum->cell[0]) +
+                                                                                   PetscSqr(y.bed / sum->cell[1])));
+}
+
+PetscErrorCode MpmBedFindGentle(const MpmSum *sum, MpmBedFlow *flow)
+{
+  const MpmSpace *space = sum->space;
+
+  PetscFunctionBeginUser;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const MpmGroup *group = &space->groups[g];
+
+    if (IsTilted(sum, group, flow)) continue;
+    for (PetscInt i = 0; i < group->node_count; i++) flow->failed[space->group_nodes[group->node_offset + i]] = 1.;
+  }
+  PetscCall(MpmSpaceAddToOwners(space, 1, flow->failed));
+  PetscCall(MpmSpaceToGhosts(space, 1, flow->failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 void MpmBedFindLevels(const MpmSum *sum, MpmBedFlow *flow)
 {
   for (PetscInt i = 0; i < sum->space->local; i++) {
@@ -130,8 +186,8 @@ void MpmBedFindLevels(const MpmSum *sum, MpmBedFlow *flow)
     PetscReal       *level = &flow->level[i * MPM_LEVEL_COUNT], z[3][3], slope[2], even;
 
     if (!(sums[MPM_BED_VOLUME] > 0.)) continue;
-    even = 1.;
-    if (steep[MPM_STEEP_BED] > 0.)
+    even = flow->failed[i] > 0. ? 1. : 0.;
+    if (even > 0. && steep[MPM_STEEP_BED] > 0.)
       even = Blend(PetscSqrtReal(steep[MPM_STEEP_SURFACE] / steep[MPM_STEEP_BED]), TILT_FROM, LEVEL_TO);
     if (flow->bed->normal) level[MPM_LEVEL_TILT] = 1. - even;
     if (even == 0.) continue;
