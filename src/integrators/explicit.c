@@ -182,6 +182,12 @@ static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
     for (PetscInt k = 0; k < local * dim; k++) force[k] = model->disc.nodal.force[k] - force[k];
     PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, force));
     PetscCall(MpmSpaceToGhosts(model->disc.space, dim, force));
+  } else if (IsColumns(model)) {
+    PetscCall(MpmMomentumToNodes(model->disc.sum, transfer, mass, dynamics->v_old, NULL));
+    PetscCall(MpmExplicitPrescribeStart(model, dynamics->v_old));
+    PetscCall(PetscArraycpy(force, model->disc.nodal.force, local * dim));
+    PetscCall(MpmSpaceAddToOwners(model->disc.space, dim, force));
+    PetscCall(MpmSpaceToGhosts(model->disc.space, dim, force));
   } else {
     PetscCall(PetscArraycpy(force, model->disc.nodal.force, local * dim));
     PetscCall(MpmMotionToNodes(model->disc.sum, transfer, mass, dynamics->v_old, force));

@@ -70,9 +70,10 @@ typedef struct {
 struct MpmBedFlow {
   const MpmBed    *bed;
   PetscInt         materials;
-  PetscInt         point_room, node_room;
+  PetscInt         point_room, node_room, group_room;
   MpmOnBed        *point;
-  PetscReal       *height; /* of the bed at the local nodes, m */
+  PetscInt         gentle_count, *gentle; /* groups about which the mean surface may be level */
+  PetscReal       *height;                /* of the bed at the local nodes, m */
   PetscReal       *sums, *shares, *level, *steep, *failed, *force;
   PetscReal       *friction; /* force of the resistance in the last increment, N, two a node */
   PetscReal       *drag;     /* of forests at the nodes of the grid (forest.h); NULL: there are none */
@@ -101,7 +102,7 @@ static inline PetscReal MpmBedCosine2(const MpmBed *bed, const PetscReal slope[]
 /* At the local nodes, from the sums there (bed_level.c): the mean level and bed; and what the slopes say of them. */
 void MpmBedFindMeans(const MpmSum *sum, MpmBedFlow *flow);
 void MpmBedFindLevels(const MpmSum *sum, MpmBedFlow *flow);
-/* Marks in `failed` the nodes about which the mean surface may be level; elsewhere it is not. */
+/* The groups about which the mean surface may be level; `failed` marks the nodes of those that say so. */
 PetscErrorCode MpmBedFindGentle(const MpmSum *sum, MpmBedFlow *flow);
 /* Velocities of the nodes after an increment over `kick`, s, with the resistance of the bed (bed_resistance.c). */
 PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal kick, PetscReal velocity[]);

@@ -25,6 +25,7 @@ PetscErrorCode MpmBedFlowDestroy(MpmBedFlow **flow)
   PetscFunctionBeginUser;
   if (!*flow) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*flow)->point));
+  PetscCall(PetscFree((*flow)->gentle));
   for (PetscInt k = 0; k < (*flow)->mapped; k++) PetscCall(MpmMapDestroy(&(*flow)->parameter[k].map));
   PetscCall(PetscFree((*flow)->parameter));
   PetscCall(PetscFree((*flow)->own));
@@ -222,14 +223,6 @@ static PetscBool HasLevel(const MpmGroup *group, const PetscInt nodes[], const M
   return PETSC_FALSE;
 }
 
-/* True where a surface may be level at any node of a group. */
-static PetscBool HasGentle(const MpmGroup *group, const PetscInt nodes[], const MpmBedFlow *flow)
-{
-  for (PetscInt i = 0; i < group->node_count; i++)
-    if (flow->failed[nodes[i]] > 0.) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /* The points of a group. */
 MPM_INLINE PetscErrorCode VisitGroup(const MpmKnown known, Visit visit, const MpmSum *sum, const MpmGroup *group,
                                      const MpmBasis *room, MpmBedFlow *flow)
@@ -240,7 +233,6 @@ MPM_INLINE PetscErrorCode VisitGroup(const MpmKnown known, Visit visit, const Mp
 
   /* where the balance fails nowhere or everywhere a point's part changes nothing */
   if (visit == FAILURES && (HasPart(group, nodes, 0., flow) || HasPart(group, nodes, 1., flow))) return PETSC_SUCCESS;
-  if (visit == SLOPES && !HasGentle(group, nodes, flow)) return PETSC_SUCCESS;
   if (visit == FORCES && !HasLevel(group, nodes, flow)) return PETSC_SUCCESS;
   if (known.solid) MpmBasisPlace(sum->space, known.n, storage, &basis);
   else basis = *room;
@@ -257,16 +249,21 @@ MPM_INLINE PetscErrorCode VisitGroup(const MpmKnown known, Visit visit, const Mp
   return PETSC_SUCCESS;
 }
 
-/* A pass over the points, and the sums at the nodes of all ranks: `count` numbers a node. */
+/* A pass over the points of all groups or of the gentle ones, and the sums at the nodes of all ranks: `count` numbers a
+   node. */
 #define PASS(name, visit) \
   static PetscErrorCode name(const MpmSum *sum, const MpmBasis *room, PetscInt count, PetscReal sums[], \
                              MpmBedFlow *flow) \
   { \
-    const MpmSpace *space = sum->space; \
+    const MpmSpace *space  = sum->space; \
+    const PetscInt  groups = (visit) == POINTS ? space->group_count : flow->gentle_count; \
 \
     PetscFunctionBeginUser; \
-    for (PetscInt g = 0; g < space->group_count; g++) \
-      MPM_DISPATCH(sum->layout, &space->groups[g], VisitGroup, visit, sum, &space->groups[g], room, flow); \
+    for (PetscInt k = 0; k < groups; k++) { \
+      const MpmGroup *group = &space->groups[(visit) == POINTS ? k : flow->gentle[k]]; \
+\
+      MPM_DISPATCH(sum->layout, group, VisitGroup, visit, sum, group, room, flow); \
+    } \
     PetscCall(MpmSpaceAddToOwners(space, count, sums)); \
     PetscCall(MpmSpaceToGhosts(space, count, sums)); \
     PetscFunctionReturn(PETSC_SUCCESS); \

@@ -167,6 +167,11 @@ PetscErrorCode MpmBedFindGentle(const MpmSum *sum, MpmBedFlow *flow)
   const MpmSpace *space = sum->space;
 
   PetscFunctionBeginUser;
+  if (space->group_count > flow->group_room) {
+    flow->group_room = space->group_count + space->group_count / 8;
+    PetscCall(PetscFree(flow->gentle));
+    PetscCall(PetscMalloc1(flow->group_room, &flow->gentle));
+  }
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
 
@@ -175,6 +180,14 @@ PetscErrorCode MpmBedFindGentle(const MpmSum *sum, MpmBedFlow *flow)
   }
   PetscCall(MpmSpaceAddToOwners(space, 1, flow->failed));
   PetscCall(MpmSpaceToGhosts(space, 1, flow->failed));
+  flow->gentle_count = 0;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    const PetscInt *nodes = &space->group_nodes[space->groups[g].node_offset];
+    PetscInt        i     = 0;
+
+    while (i < space->groups[g].node_count && !(flow->failed[nodes[i]] > 0.)) i++;
+    if (i < space->groups[g].node_count) flow->gentle[flow->gentle_count++] = g;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
