@@ -1,6 +1,6 @@
 /*
-  State of columns after a displacement u of the nodes (physics/depth_averaged.c, point/column_law.c, which give the same
-  numbers for every physics and law): with dF = I + sum_i u_i grad w_ip,
+  State of columns after a displacement u of the nodes. The kernel and law of columns (physics/depth_averaged.c,
+  point/column_law.c) have these numbers, too: with dF = I + sum_i u_i grad w_ip,
 
     F = dF F_n ,   h = h_n/det dF ,   no stress.
 */

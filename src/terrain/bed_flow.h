@@ -65,15 +65,25 @@ typedef struct {
   PetscReal stress, speed;
 } MpmBedShear;
 
+/* Points, nodes and groups that arrays have room for. */
+typedef struct {
+  PetscInt points, nodes, groups;
+} MpmBedRoom;
+
+/* Groups about which the mean surface may be level. */
+typedef struct {
+  PetscInt count, *group;
+} MpmBedGentle;
+
 /* Data of the term for a step. */
 #define MPM_BED_PARAMETERS 16 /* most of a law */
 struct MpmBedFlow {
   const MpmBed    *bed;
   PetscInt         materials;
-  PetscInt         point_room, node_room, group_room;
+  MpmBedRoom       room;
   MpmOnBed        *point;
-  PetscInt         gentle_count, *gentle; /* groups about which the mean surface may be level */
-  PetscReal       *height;                /* of the bed at the local nodes, m */
+  MpmBedGentle     gentle;
+  PetscReal       *height; /* of the bed at the local nodes, m */
   PetscReal       *sums, *shares, *level, *steep, *failed, *force;
   PetscReal       *friction; /* force of the resistance in the last increment, N, two a node */
   PetscReal       *drag;     /* of forests at the nodes of the grid (forest.h); NULL: there are none */

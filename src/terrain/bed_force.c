@@ -25,7 +25,7 @@ PetscErrorCode MpmBedFlowDestroy(MpmBedFlow **flow)
   PetscFunctionBeginUser;
   if (!*flow) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*flow)->point));
-  PetscCall(PetscFree((*flow)->gentle));
+  PetscCall(PetscFree((*flow)->gentle.group));
   for (PetscInt k = 0; k < (*flow)->mapped; k++) PetscCall(MpmMapDestroy(&(*flow)->parameter[k].map));
   PetscCall(PetscFree((*flow)->parameter));
   PetscCall(PetscFree((*flow)->own));
@@ -44,20 +44,20 @@ static PetscErrorCode Resize(const MpmSum *sum, MpmBedFlow *flow)
   const PetscInt nodes = sum->space->local, shares = flow->materials * MPM_BED_SHARES;
 
   PetscFunctionBeginUser;
-  if (sum->points->count > flow->point_room) {
-    flow->point_room = sum->points->count + sum->points->count / 8;
+  if (sum->points->count > flow->room.points) {
+    flow->room.points = sum->points->count + sum->points->count / 8;
     PetscCall(PetscFree(flow->point));
-    PetscCall(PetscMalloc1(flow->point_room, &flow->point));
+    PetscCall(PetscMalloc1(flow->room.points, &flow->point));
   }
-  if (nodes > flow->node_room) {
-    flow->node_room = nodes + nodes / 8;
+  if (nodes > flow->room.nodes) {
+    flow->room.nodes = nodes + nodes / 8;
     PetscCall(PetscFree7(flow->height, flow->sums, flow->shares, flow->level, flow->steep, flow->failed, flow->force));
-    PetscCall(PetscMalloc7(flow->node_room, &flow->height, (flow->node_room * MPM_BED_SUMS), &flow->sums,
-                           (flow->node_room * shares), &flow->shares, (flow->node_room * MPM_LEVEL_COUNT), &flow->level,
-                           (flow->node_room * MPM_STEEP_COUNT), &flow->steep, flow->node_room, &flow->failed,
-                           (flow->node_room * sum->block), &flow->force));
-    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(flow->node_room * sum->block), &flow->friction));
-    if (flow->shear) PetscCall(PetscRealloc(sizeof(*flow->shear) * (size_t)flow->node_room, &flow->shear));
+    PetscCall(PetscMalloc7(flow->room.nodes, &flow->height, (flow->room.nodes * MPM_BED_SUMS), &flow->sums,
+                           (flow->room.nodes * shares), &flow->shares, (flow->room.nodes * MPM_LEVEL_COUNT),
+                           &flow->level, (flow->room.nodes * MPM_STEEP_COUNT), &flow->steep, flow->room.nodes,
+                           &flow->failed, (flow->room.nodes * sum->block), &flow->force));
+    PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(flow->room.nodes * sum->block), &flow->friction));
+    if (flow->shear) PetscCall(PetscRealloc(sizeof(*flow->shear) * (size_t)flow->room.nodes, &flow->shear));
   }
   PetscCall(PetscArrayzero(flow->sums, nodes * MPM_BED_SUMS));
   PetscCall(PetscArrayzero(flow->shares, nodes * shares));
@@ -256,11 +256,11 @@ MPM_INLINE PetscErrorCode VisitGroup(const MpmKnown known, Visit visit, const Mp
                              MpmBedFlow *flow) \
   { \
     const MpmSpace *space  = sum->space; \
-    const PetscInt  groups = (visit) == POINTS ? space->group_count : flow->gentle_count; \
+    const PetscInt  groups = (visit) == POINTS ? space->group_count : flow->gentle.count; \
 \
     PetscFunctionBeginUser; \
     for (PetscInt k = 0; k < groups; k++) { \
-      const MpmGroup *group = &space->groups[(visit) == POINTS ? k : flow->gentle[k]]; \
+      const MpmGroup *group = &space->groups[(visit) == POINTS ? k : flow->gentle.group[k]]; \
 \
       MPM_DISPATCH(sum->layout, group, VisitGroup, visit, sum, group, room, flow); \
     } \

@@ -167,10 +167,10 @@ PetscErrorCode MpmBedFindGentle(const MpmSum *sum, MpmBedFlow *flow)
   const MpmSpace *space = sum->space;
 
   PetscFunctionBeginUser;
-  if (space->group_count > flow->group_room) {
-    flow->group_room = space->group_count + space->group_count / 8;
-    PetscCall(PetscFree(flow->gentle));
-    PetscCall(PetscMalloc1(flow->group_room, &flow->gentle));
+  if (space->group_count > flow->room.groups) {
+    flow->room.groups = space->group_count + space->group_count / 8;
+    PetscCall(PetscFree(flow->gentle.group));
+    PetscCall(PetscMalloc1(flow->room.groups, &flow->gentle.group));
   }
   for (PetscInt g = 0; g < space->group_count; g++) {
     const MpmGroup *group = &space->groups[g];
@@ -180,13 +180,13 @@ PetscErrorCode MpmBedFindGentle(const MpmSum *sum, MpmBedFlow *flow)
   }
   PetscCall(MpmSpaceAddToOwners(space, 1, flow->failed));
   PetscCall(MpmSpaceToGhosts(space, 1, flow->failed));
-  flow->gentle_count = 0;
+  flow->gentle.count = 0;
   for (PetscInt g = 0; g < space->group_count; g++) {
     const PetscInt *nodes = &space->group_nodes[space->groups[g].node_offset];
     PetscInt        i     = 0;
 
     while (i < space->groups[g].node_count && !(flow->failed[nodes[i]] > 0.)) i++;
-    if (i < space->groups[g].node_count) flow->gentle[flow->gentle_count++] = g;
+    if (i < space->groups[g].node_count) flow->gentle.group[flow->gentle.count++] = g;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
