@@ -4,8 +4,9 @@
     fuzz.py build/talus --cases 1000 --seed 7       # 1000 cases from seed 7; the same again gives the same cases
     fuzz.py build/talus --seed 7 --only 123         # one of them
 
-The scenes are those of the examples, made coarse and short; what to spoil in them is drawn from their options and from
-what the program's own -help says of them, so that a new example or option is fuzzed with no change here.
+The scenes are those of the examples, with the maps that they make, made coarse and short; what to spoil in them is drawn
+from their options and from what the program's own -help says of them, so that a new example or option is fuzzed with no
+change here.
 
 A case passes when the program ends within the time limit with status 0 or 3 and finite results, or with status 2, one
 line that names an option or the file, and nothing written; and when no number given as NaN or infinity was accepted. A
@@ -91,7 +92,13 @@ class Scene:
         self.name = f"{path.parent.name}/{path.name}"
         self.text = path.read_text(encoding="utf-8")
         self.options = parse_scene(self.text)
-        self.folder = path.parent
+        self.folder, self.maps = path.parent, []
+        if (path.parent / "make.py").is_file():  # writes maps and tables into a folder that scenes call out
+            self.made = tempfile.TemporaryDirectory(prefix="talus_fuzz_")
+            self.folder = Path(self.made.name)
+            shutil.copytree(path.parent, self.folder, dirs_exist_ok=True)
+            subprocess.run([sys.executable, path.parent / "make.py", self.folder / "out"], capture_output=True, check=False)
+            self.maps = sorted(f"out/{name.name}" for name in self.folder.glob("out/*") if name.suffix in (".asc", ".csv"))
 
     def coarse(self, divisor):
         """Options of a coarse and short form: cells divided, one or two points a cell, two steps."""
@@ -185,7 +192,8 @@ class Case:
         self.arguments, self.files, self.raw, self.notes = [], {}, None, []
         self.wrong_points = False
         self.ranks = 2 if self.random.random() < 0.04 else 1
-        kinds = (spoil_options, spoil_finite, spoil_text, spoil_command, spoil_points if self.scene.point_file else spoil_options)
+        files = spoil_map if self.scene.maps else spoil_points if self.scene.point_file else spoil_options
+        kinds = (spoil_options, spoil_finite, spoil_text, spoil_command, files)
         self.random.choices(kinds, (0.60, 0.06, 0.17, 0.10, 0.07))[0](self)
         if self.raw is None:
             self.write()
@@ -543,6 +551,26 @@ def spoil_points(case):
         case.wrong_points, case.pairs[-1][1] = False, case.random.choice(("nowhere.csv", ".", "scene.yaml", "", "/dev/null"))
 
 
+def spoil_map(case):
+    """A map or a table of a scene with something wrong in it."""
+    choice, name = case.random, case.random.choice(case.scene.maps)
+    text = (case.scene.folder / name).read_text(encoding="utf-8")
+    kind = choice.choice(("number", "number", "head", "head", "row", "cut", "bytes"))
+    lines = [line.split() if name.endswith(".asc") else line.split(",") for line in text.splitlines()]
+    at = choice.randrange(6) if kind == "head" and len(lines) > 6 else choice.randrange(len(lines))
+    if kind in ("number", "head"):
+        lines[at][choice.randrange(len(lines[at]))] = choice.choice(NOT_FINITE + NUMBERS + WORDS[:30])
+    elif kind == "row":
+        lines[at] = choice.choice(([], lines[at] * 2, lines[at][:-1], ["#"], lines[0]))
+    data = "\n".join((" " if name.endswith(".asc") else ",").join(line) for line in lines).encode("utf-8", "surrogatepass")
+    if kind == "cut":
+        data = data[:choice.choice((0, 1, 5, choice.randrange(len(data))))]
+    elif kind == "bytes":
+        data = spoil_bytes(case, text)
+    case.note(f"{name}: {kind} {lines[at][:3] if kind == 'head' else ''}")
+    case.files[name] = data
+
+
 # ---- judging ----
 
 def command_of(case, program):
@@ -594,6 +622,12 @@ def known_words(case):
     return names | {"command", "options_file", "options_file_yaml", *PETSC, *GUARD}
 
 
+def is_known(case, name):
+    """Long names are cut off in a line; of a file that is not the case's, no word is known."""
+    words = known_words(case)
+    return name in words or "/etc/shadow" in case.arguments or (len(name) > 200 and any(word.startswith(name) for word in words))
+
+
 def refusal_faults(case, outcome):
     """Of a run with status 2."""
     lines = [line for line in outcome.errors.split("\n") if line.strip()]
@@ -606,7 +640,7 @@ def refusal_faults(case, outcome):
         option = re.match(r"talus: error: (?:-+|(?=command line))([^\s:]+)", line)
         if not option:
             yield "the line does not start with an option's name"
-        elif not re.match(r"mpm_", option[1], re.IGNORECASE) and option[1].lower() not in known_words(case):
+        elif not re.match(r"mpm_", option[1], re.IGNORECASE) and not is_known(case, option[1].lower()):
             yield f"the line names -{option[1]}, which nobody gave"
         if re.search(r"[\x00-\x1f\x7f]", line) or len(line) > 1000:
             yield "the line is not fit for a terminal"
@@ -675,6 +709,8 @@ def run_case(number, arguments, scenes):
     for name in os.listdir(case.scene.folder):
         if name.endswith((".csv", ".h5")) and name != "reference.csv":
             shutil.copy(case.scene.folder / name, folder)
+    if case.scene.maps:
+        shutil.copytree(case.scene.folder / "out", folder / "out")
     (folder / case.file).write_bytes(case.raw)
     for name, data in case.files.items():
         (folder / name).write_bytes(data)

@@ -6,6 +6,8 @@
 #include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/space.h"
+#include "transfer/momentum.h"
+#include "query/query.h"
 #include "entrainment/entrainment_impl.h"
 
 /* Mass and momentum of points of this rank, from `first` on or at `place`, added over all ranks. */
@@ -57,6 +59,20 @@ PetscErrorCode MpmEntrainmentLeave(MpmModel model, PetscInt count, const PetscIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmEntrainmentAddIncrement(MpmModel model, const PetscReal mass[], const PetscReal before[],
+                                          const PetscReal after[])
+{
+  PetscReal gain = 0.;
+
+  PetscFunctionBeginUser;
+  if (!model->entrainment) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < 2 * model->disc.space->owned; k++)
+    gain += 0.5 * mass[k / 2] * (PetscSqr(after[k]) - PetscSqr(before[k]));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &gain, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  model->entrainment->account.nodes += gain;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmEntrainmentFindEmpty(MpmModel model, PetscInt *here, PetscInt **empty, PetscInt *count)
 {
   PetscInt   local;
@@ -89,19 +105,25 @@ static const char *const parts[] = {"mass",
                                     "impulse_friction_y",
                                     "impulse_carried_x",
                                     "impulse_carried_y",
-                                    "energy_exchange"};
+                                    "energy_exchange",
+                                    "energy_transfer"};
 
 static PetscErrorCode Fill(MpmModel model, const MpmColumn *column, PetscReal values[])
 {
   const MpmEntrainmentAccount *account = &model->entrainment->account;
-  PetscReal                    sums[3];
-  PetscInt                     local;
+  const MpmEnergy             *energy  = &model->state.scheme.energy;
+  MpmMotionSums                sums;
+  PetscReal                    sum[2];
 
   (void)column;
   PetscFunctionBeginUser;
-  PetscCall(DMSwarmGetLocalSize(model->state.particles->swarm, &local));
-  PetscCall(Sum(model, 0, local, NULL, sums));
-  *values++ = sums[0];
+  PetscCall(MpmParticlesLendArrays(model->state.particles, model->disc.points));
+  PetscCall(MpmMotionSum(model->disc.sum, &MpmModelMotion(model)->transfer, &sums));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
+  sum[0] = sums.mass;
+  sum[1] = sums.kinetic;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, model->comm));
+  *values++ = sum[0];
   *values++ = account->in;
   *values++ = account->out;
   *values++ = account->eroded;
@@ -109,7 +131,8 @@ static PetscErrorCode Fill(MpmModel model, const MpmColumn *column, PetscReal va
   for (PetscInt a = 0; a < 2; a++) *values++ = account->bed[a];
   for (PetscInt a = 0; a < 2; a++) *values++ = account->friction[a];
   for (PetscInt a = 0; a < 2; a++) *values++ = account->carried[a];
-  *values = account->energy;
+  *values++ = account->energy;
+  *values   = energy->start - energy->elastic + account->nodes - account->energy - sum[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

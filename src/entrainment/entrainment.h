@@ -50,6 +50,13 @@ PetscErrorCode MpmEntrainmentFindEmpty(MpmModel model, PetscInt *here, PetscInt 
    number. */
 PetscReal MpmEntrainmentCrossing(const MpmModel model, PetscReal gravity);
 
+/*
+  Adds an increment of the nodes' velocities, m/s, two a local node of this mass, kg. The gain of their kinetic energy
+  tells the loss by the transfer between points and nodes from that by the integrator. Collective.
+*/
+PetscErrorCode MpmEntrainmentAddIncrement(MpmModel model, const PetscReal mass[], const PetscReal before[],
+                                          const PetscReal after[]);
+
 /* Columns of the history. */
 PetscErrorCode MpmEntrainmentAddColumns(MpmModel model, MpmColumns *columns);
 /* True where the bed changes; then bytes of a checkpoint, on rank 0: the change at the nodes; and back. Collective. */

@@ -100,6 +100,7 @@ static PetscErrorCode AddRows(MpmModel model)
                                    {"eroded", MPM_ROW_REAL, MPM_ROW_STATE, &of->eroded, 0, 0},
                                    {"deposited", MPM_ROW_REAL, MPM_ROW_STATE, &of->deposited, 0, 0},
                                    {"energy", MPM_ROW_REAL, MPM_ROW_STATE, &of->energy, 0, 0},
+                                   {"nodes", MPM_ROW_REAL, MPM_ROW_STATE, &of->nodes, 0, 0},
                                    {"bed", MPM_ROW_REAL, MPM_ROW_STATE, of->bed, 2, 0},
                                    {"friction", MPM_ROW_REAL, MPM_ROW_STATE, of->friction, 2, 0},
                                    {"carried", MPM_ROW_REAL, MPM_ROW_STATE, of->carried, 2, 0}};

@@ -36,6 +36,7 @@
 #include "volume/inertia.h"
 #include "loads/body_surface.h"
 #include "loads/load.h"
+#include "entrainment/entrainment.h"
 #include "problem/section.h"
 #include "query/model.h"
 #include "query/query.h"
@@ -438,6 +439,7 @@ static PetscErrorCode AddWork(MpmModel model, PetscReal kick, MpmStepWork *work)
       work->taken += 0.5 * damping->dashpot[k] * (of->v_new[k] - of->v_old[k]) * of->v_start[k];
   }
   PetscCall(MpmEnergyAdd(model, work));
+  PetscCall(MpmEntrainmentAddIncrement(model, model->disc.context.inertia->mass, of->v_old, of->v_new));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,6 +4,7 @@
 #include "talus/point/basal.h"
 #include "options/options.h"
 #include "grid/grid.h"
+#include "bc/bc.h"
 #include "loads/body_surface.h"
 #include "loads/load.h"
 #include "pairs/body_contact.h"
@@ -97,6 +98,9 @@ PetscErrorCode MpmTerrainCheck(const MpmModel model)
       MpmCheckInput(!MpmMaterialVaries(&scene->materials->at[m], k),
                     "-mpm_material_%s_%s: must be a number or a map with -mpm_physics %s", scene->materials->names[m],
                     scene->materials->at[m].info.parameters[k].name, scene->physics.name);
+  for (PetscInt b = 0; b < scene->bcs->count; b++)
+    MpmCheckInput(!scene->bcs->at[b].absorbing, "-mpm_bc_%s_absorbing: not available with -mpm_physics %s",
+                  scene->bcs->names[b], scene->physics.name);
   for (PetscInt l = 0; l < scene->loads->count; l++)
     MpmCheckInput(scene->loads->at[l].type != MPM_LOAD_GRAVITY,
                   "-mpm_load_%s_type gravity: weight is there already, by the materials' gravity",

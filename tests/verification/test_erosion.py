@@ -125,6 +125,7 @@ def balances(test, label, run, energy):
         left = change[f"momentum_{a}"] - sum(change[f"impulse_{part}_{a}"] for part in ("bed", "friction", "carried"))
         test.check(f"{label}.momentum_{a}", abs(left) / scale, 0, 1e-12)
     test.check(f"{label}.energy", abs(change["energy_balance"]) / change["energy_external"], 0, energy)
+    test.check(f"{label}.energy_left", abs(change["energy_balance"] + change["energy_transfer"]) / change["energy_external"], 0, 1e-3)
 
 
 def slide(test):
@@ -145,7 +146,7 @@ def slide(test):
         a, b = (s["id"].ravel().argsort() for s in (one, two))
         for name in ("position", "velocity", "depth", "bed"):
             test.check(f"slide.{label}.{name}", float(abs(one[name][a] - two[name][b]).max() / abs(one[name]).max()), 0, 1e-10)
-        for name in ("mass_eroded", "mass_deposited", "impulse_friction_x", "energy_exchange"):
+        for name in ("mass_eroded", "mass_deposited", "impulse_friction_x", "energy_exchange", "energy_transfer"):
             test.near(f"slide.{label}.{name}", float(other.results.history[name][-1]), float(history[name][-1]), relative=1e-11)
     bed, gone = (Path(f"{run.prefix}_peak_{name}.asc") for name in ("bed", "bed_change"))
     values = np.loadtxt(gone, skiprows=6)

@@ -272,4 +272,5 @@ with Test() as test:
     refuse(test, "depth", "must be > 0", mpm_body_left_depth=-1)
     refuse(test, "varies", "must be a number or a map", mpm_material_mud_mu="0:0.1,10:0.5")
     refuse(test, "viscosity", "must be >= 0", mpm_terrain_viscosity=-1)
+    refuse(test, "absorbing", "absorbing: not available", mpm_bc_west_absorbing="true")
     refuse(test, "xi", "xi", mpm_material_mud_type="voellmy", mpm_material_mud_xi=0, mpm_material_mud_mu=0.1)
