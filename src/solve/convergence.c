@@ -144,7 +144,7 @@ static PetscErrorCode ReactionSquares(const MpmDiscretization *disc, PetscReal *
 
   PetscFunctionBeginUser;
   *squares = 0.;
-  if (!constraints->any || disc->context.inertia->active || !MpmFieldsDoWork(disc->layout))
+  if (!constraints->any || disc->context.inertia->active || !MpmFieldsDoWork(disc->layout) || !disc->layout->motion)
     PetscFunctionReturn(PETSC_SUCCESS);
   if (constraints->frame_of) {
     PetscCall(PetscMalloc1(owned, &turned));
