@@ -37,7 +37,7 @@ def lagrange(nodes, x):
 
 
 def nodal(results):
-    """Values at the nodes, components first, then the lattice with z first; the places along an axis."""
+    """Values at the nodes, components first, then the lattice with the last axis first."""
     with h5py.File(results.prefix + ".h5", "r") as file:
         nodes = file["grid"][sorted(file["grid"])[-1]]["nodes"]
         place = nodes["position"][:]
@@ -46,29 +46,39 @@ def nodal(results):
     order = np.lexsort(np.round(place, 9).T)
     side = round(len(place) ** (1 / place.shape[1]))
     shape = (side,) * place.shape[1]
-    return np.stack([value[order].reshape(shape) for value in values]), place[order][:side, 0]
+    return np.stack([value[order].reshape(shape) for value in values])
+
+
+def evaluation(results, x):
+    """Matrix from nodal values along an axis to those at x of [-1, 1] in each cell, and these places."""
+    order, count = int(results.option("mpm_order")), cells(results)[0]
+    matrix = np.zeros((count * len(x), count * order + 1))
+    for cell in range(count):
+        matrix[cell * len(x):(cell + 1) * len(x), cell * order:(cell + 1) * order + 1] = lagrange(lobatto(order), x)
+    return matrix, np.concatenate([(cell + (1 + x) / 2) / count for cell in range(count)])
+
+
+def outer(line, dim):
+    """The product of a function of one place along each axis."""
+    product = np.ones(())
+    for _ in range(dim):
+        product = np.multiply.outer(product, line)
+    return product
 
 
 def error(results):
-    """Relative L2 error of the field over the grid, and the places and values on a line through the middle."""
-    values, _ = nodal(results)
-    order, count = int(results.option("mpm_order")), cells(results)[0]
-    x, weight = legendre.leggauss(order + MORE)
-    basis = lagrange(lobatto(order), x)
-    matrix = np.zeros((count * len(x), count * order + 1))
-    for cell in range(count):
-        matrix[cell * len(x):(cell + 1) * len(x), cell * order:(cell + 1) * order + 1] = basis
-    place = np.concatenate([(cell + (1 + x) / 2) / count for cell in range(count)])
-    weight = np.tile(weight / (2 * count), count)
+    """Relative L2 error of the field over the grid."""
+    values = nodal(results)
+    dim, count = values.ndim - 1, cells(results)[0]
+    x, weight = legendre.leggauss(int(results.option("mpm_order")) + MORE)
+    matrix, place = evaluation(results, x)
+    exact, weight = outer(weierstrass(place), dim), outer(np.tile(weight / (2 * count), count), dim)
     square = norm = 0.0
     for component, field in enumerate(values):
-        for _ in range(field.ndim):  # one axis after the other, each goes to the end
+        for _ in range(dim):  # one axis after the other, each goes to the end
             field = np.tensordot(field, matrix, axes=(0, 1))
-        exact = weights = (component + 1) * np.ones(())
-        for _ in range(field.ndim):
-            exact, weights = np.multiply.outer(exact, weierstrass(place)), np.multiply.outer(weights, weight)
-        weights = weights / (component + 1)
-        square, norm = square + np.sum(weights * (field - exact) ** 2), norm + np.sum(weights * exact ** 2)
+        square += np.sum(weight * (field - (component + 1) * exact) ** 2)
+        norm += np.sum(weight * ((component + 1) * exact) ** 2)
     return np.sqrt(square / norm)
 
 
@@ -85,10 +95,11 @@ def check(results):
 def draw(results):
     import matplotlib.pyplot as plt
 
-    values, place = nodal(results)
-    level = len(place) // 2
-    field = values[0][level]
-    exact = np.multiply.outer(weierstrass(place), weierstrass(place)) * weierstrass(place[level])
+    matrix, place = evaluation(results, np.linspace(-1, 1, 16))
+    values = nodal(results)[0]
+    middle = values.shape[0] // 2  # a plane of nodes, in the middle for an even number of cells
+    field = matrix @ values[middle] @ matrix.T
+    exact = outer(weierstrass(place), 2) * weierstrass(0.5)
     figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), constrained_layout=True)
     for axis, value, title in ((axes[0], field, "u in the middle plane"), (axes[1], field - exact, "u less the solution")):
         dots = axis.pcolormesh(place, place, value, shading="gouraud", cmap="coolwarm")

@@ -13,12 +13,24 @@
 #define SIDE (MPM_MAX_WIDTH + 1)
 #define KEYS (SIDE * SIDE * SIDE)
 
+/* True where the inputs are one value, or one derivative along each axis, of each component. */
+static PetscBool TakesValues(const MpmLayout *layout)
+{
+  return (PetscBool)(layout->input.count == layout->block && !layout->input.basis[0]);
+}
+static PetscBool TakesGradients(const MpmLayout *layout)
+{
+  return (PetscBool)(layout->input.count == layout->block * layout->dim && layout->input.basis[0] == 1);
+}
+
 PetscBool MpmFactoredServes(const MpmSum *sum)
 {
   const MpmLayout *layout = sum->layout;
 
-  return (PetscBool)(layout->traits.solid && layout->kinematics != MPM_AXISYMMETRY && !layout->means &&
-                     sum->space->shapes.count == 1 && !sum->space->shapes.at[0].cross);
+  return (PetscBool)((layout->block == 1 || layout->block == layout->dim) && layout->field_count == 1 &&
+                     !layout->component[0].negative && (TakesValues(layout) || TakesGradients(layout)) &&
+                     layout->kinematics != MPM_AXISYMMETRY && !layout->means && sum->space->shapes.count == 1 &&
+                     !sum->space->shapes.at[0].cross);
 }
 
 /* Points of a group in batches of their own. */
@@ -159,15 +171,18 @@ static PetscErrorCode FillAllLines(MpmFactored *factored)
 PetscErrorCode MpmFactoredCreate(const MpmSum *sum, PetscBool half, MpmFactored **factored)
 {
   const MpmSpace *space = sum->space;
-  const PetscInt  N     = space->dim * space->dim;
-  PetscInt       *rest, most = 1;
+  const PetscInt  N = sum->layout->input.count, bs = sum->block;
+  PetscInt       *rest, most                       = 1;
   MpmFactored    *made;
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&made));
-  made->sum  = sum;
-  made->half = half;
-  made->size = half ? N * (N + 1) / 2 : N * N;
+  made->sum      = sum;
+  made->half     = half;
+  made->gradient = TakesGradients(sum->layout);
+  made->block    = bs;
+  made->inputs   = N;
+  made->size     = half ? N * (N + 1) / 2 : N * N;
   PetscCall(PetscCalloc1(KEYS, &rest));
   Count(space, made, rest);
   PetscCall(PetscCalloc1(made->stack_count, &made->stack));
@@ -182,7 +197,7 @@ PetscErrorCode MpmFactoredCreate(const MpmSum *sum, PetscBool half, MpmFactored 
 
     most = PetscMax(most, count[0] * count[1] * count[2]);
   }
-  PetscCall(AllocateLanes(made, (size_t)(most * (space->dim + PetscMax(space->dim, N))), &made->work));
+  PetscCall(AllocateLanes(made, (size_t)(most * (bs + bs * bs)), &made->work));
   made->bytes += (size_t)(made->batch_count * MPM_LANES + space->point_count) * sizeof(PetscInt);
   *factored = made;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -207,7 +222,7 @@ PetscErrorCode MpmFactoredDestroy(MpmFactored **factored)
 
 PetscBool MpmFactoredSetTangent(MpmFactored *factored, PetscInt s, const PetscReal D[])
 {
-  const PetscInt N = factored->sum->space->dim * factored->sum->space->dim, at = factored->place[s];
+  const PetscInt N = factored->inputs, at = factored->place[s];
   Lane          *to      = &factored->tangent[at / MPM_LANES * factored->size];
   const PetscInt lane    = at % MPM_LANES;
   PetscReal      largest = 0., difference = 0.;

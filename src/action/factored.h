@@ -14,7 +14,8 @@
 /* Private (factored_impl.h). */
 typedef struct MpmFactored MpmFactored;
 
-/* True where it serves: the displacement's gradient, of one shape without smoothing, is all that the kernel takes. */
+/* True where it serves: of one unknown a node, or one an axis, the kernel takes either the gradients or the values, of
+   one shape without smoothing. */
 PetscBool MpmFactoredServes(const MpmSum *sum);
 
 /*@
@@ -30,19 +31,19 @@ PetscBool MpmFactoredServes(const MpmSum *sum);
 . factored - the action; its tangents are zero
 
   Notes:
-  Takes 8 (2 dim n + N) bytes a point, n nodes an axis, N = dim^2 (dim^2 + 1)/2 numbers with `half`, otherwise dim^4.
+  Takes 8 (2 dim n + N) bytes a point, n nodes an axis, N = I (I + 1)/2 numbers with `half`, otherwise I^2, of I inputs.
 @*/
 PetscErrorCode MpmFactoredCreate(const MpmSum *sum, PetscBool half, MpmFactored **factored);
 PetscErrorCode MpmFactoredDestroy(MpmFactored **factored);
 
-/* Tangent of the point at place s of the points' order, D[k][l], k = component * dim + axis; PETSC_FALSE where one
-   triangle is kept and D has two that differ. */
+/* Tangent of the point at place s of the points' order, D[k][l] by the kernel's inputs; PETSC_FALSE where one triangle
+   is kept and D has two that differ. */
 PetscBool MpmFactoredSetTangent(MpmFactored *factored, PetscInt s, const PetscReal D[]);
 
-/* y += A x, or A^T x, at the local nodes, dim values each. */
+/* y += A x, or A^T x, at the local nodes, a value an unknown each. */
 void MpmFactoredApply(const MpmFactored *factored, PetscBool transposed, const PetscReal x[], PetscReal y[]);
 
-/* blocks += the diagonal blocks of A, dim^2 values a local node, row-major. */
+/* blocks += the diagonal blocks of A, of the unknowns of each local node, row-major. */
 void MpmFactoredDiagonal(const MpmFactored *factored, PetscReal blocks[]);
 
 /* Bytes that it takes. */

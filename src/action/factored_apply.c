@@ -7,15 +7,23 @@
 */
 #include "action/factored_impl.h"
 
-/* Loop bounds known at compile time: the dimension, and the nodes on the first axis where they are not 0. */
+/* Loop bounds known at compile time: the dimension, the unknowns of a node and their inputs, and the nodes on the first
+   axis where they are not 0. */
 typedef struct {
   PetscInt  dim, row;
   PetscBool shared;
+  PetscInt  block;
+  PetscBool gradient;
 } Known;
 
 MPM_INLINE PetscInt RowOf(const Known known, const MpmStack *stack)
 {
   return known.row ? known.row : stack->count[0];
+}
+
+MPM_INLINE PetscInt InputsOf(const Known known)
+{
+  return known.gradient ? known.dim * known.block : known.block;
 }
 
 /* Number m of the nodal values: one for all lanes of a shared box. */
@@ -24,63 +32,69 @@ MPM_INLINE Lane ValueAt(const Known known, const Lane *values, PetscInt m)
   return known.shared ? ((const PetscReal *)values)[m] - (Lane){0.} : values[m];
 }
 
-/* gradient[c * dim + a] of the nodal values of a batch; `w`: its lines. */
-MPM_INLINE void TakeGradient(const Known known, const MpmStack *stack, const Lane *restrict w,
-                             const Lane *restrict values, Lane  gradient[])
+/* Inputs from the nodal values of a batch: gradients at c * dim + a, or values; `w`: its lines. */
+MPM_INLINE void TakeInputs(const Known known, const MpmStack *stack, const Lane *restrict w,
+                           const Lane *restrict values, Lane  input[])
 {
-  const PetscInt dim = known.dim, nx = RowOf(known, stack), ny = stack->count[1], nz = stack->count[2];
-  const Lane    *gx = w + nx, *wy = gx + nx, *gy = wy + ny, *wz = gy + ny, *gz = wz + nz;
-  PetscInt       m = 0;
+  const PetscInt dim = known.dim, bs = known.block, nx = RowOf(known, stack), ny = stack->count[1],
+                 nz = stack->count[2];
+  const Lane *gx = w + nx, *wy = gx + nx, *gy = wy + ny, *wz = gy + ny, *gz = wz + nz;
+  PetscInt    m = 0;
 
-  for (PetscInt q = 0; q < dim * dim; q++) gradient[q] = (Lane){0.};
+  for (PetscInt q = 0; q < InputsOf(known); q++) input[q] = (Lane){0.};
   for (PetscInt k = 0; k < nz; k++) {
     Lane x[MPM_MAX_DIM], y[MPM_MAX_DIM], value[MPM_MAX_DIM]; /* of this layer */
 
-    for (PetscInt c = 0; c < dim; c++) x[c] = y[c] = value[c] = (Lane){0.};
+    for (PetscInt c = 0; c < bs; c++) x[c] = y[c] = value[c] = (Lane){0.};
     for (PetscInt j = 0; j < ny; j++) {
       Lane along[MPM_MAX_DIM], row[MPM_MAX_DIM];
 
-      for (PetscInt c = 0; c < dim; c++) along[c] = row[c] = (Lane){0.};
+      for (PetscInt c = 0; c < bs; c++) along[c] = row[c] = (Lane){0.};
       for (PetscInt i = 0; i < nx; i++) {
-        for (PetscInt c = 0; c < dim; c++) {
+        for (PetscInt c = 0; c < bs; c++) {
           const Lane u = ValueAt(known, values, m++);
 
           row[c] += w[i] * u;
-          along[c] += gx[i] * u;
+          if (known.gradient) along[c] += gx[i] * u;
         }
       }
-      for (PetscInt c = 0; c < dim; c++) {
-        x[c] += wy[j] * along[c];
-        y[c] += gy[j] * row[c];
-        if (dim == MPM_MAX_DIM) value[c] += wy[j] * row[c];
+      for (PetscInt c = 0; c < bs; c++) {
+        if (known.gradient) {
+          x[c] += wy[j] * along[c];
+          y[c] += gy[j] * row[c];
+        }
+        if (dim == MPM_MAX_DIM || !known.gradient) value[c] += wy[j] * row[c];
       }
     }
-    for (PetscInt c = 0; c < dim; c++) {
-      if (dim == MPM_MAX_DIM) {
-        gradient[c * dim] += wz[k] * x[c];
-        gradient[c * dim + 1] += wz[k] * y[c];
-        gradient[c * dim + 2] += gz[k] * value[c];
+    for (PetscInt c = 0; c < bs; c++) {
+      if (!known.gradient) input[c] += dim == MPM_MAX_DIM ? wz[k] * value[c] : value[c];
+      else if (dim == MPM_MAX_DIM) {
+        input[c * dim] += wz[k] * x[c];
+        input[c * dim + 1] += wz[k] * y[c];
+        input[c * dim + 2] += gz[k] * value[c];
       } else {
-        gradient[c * dim]     = x[c];
-        gradient[c * dim + 1] = y[c];
+        input[c * dim]     = x[c];
+        input[c * dim + 1] = y[c];
       }
     }
   }
 }
 
-/* force (+)= the fluxes times the gradients of the basis functions; added where the lanes share a box. */
+/* force (+)= the fluxes times the basis functions of the inputs; added where the lanes share a box. */
 MPM_INLINE void AddForce(const Known known, const MpmStack *stack, const Lane *restrict w, const Lane flux[],
                          Lane *restrict force)
 {
-  const PetscInt dim = known.dim, nx = RowOf(known, stack), ny = stack->count[1], nz = stack->count[2];
-  const Lane    *gx = w + nx, *wy = gx + nx, *gy = wy + ny, *wz = gy + ny, *gz = wz + nz;
+  const PetscInt dim = known.dim, bs = known.block, nx = RowOf(known, stack), ny = stack->count[1],
+                 nz = stack->count[2];
+  const Lane *gx = w + nx, *wy = gx + nx, *gy = wy + ny, *wz = gy + ny, *gz = wz + nz;
 
   for (PetscInt k = 0; k < nz; k++) {
     for (PetscInt j = 0; j < ny; j++) {
       Lane along[MPM_MAX_DIM], row[MPM_MAX_DIM];
 
-      for (PetscInt c = 0; c < dim; c++) {
-        if (dim == MPM_MAX_DIM) {
+      for (PetscInt c = 0; c < bs; c++) {
+        if (!known.gradient) row[c] = dim == MPM_MAX_DIM ? wz[k] * wy[j] * flux[c] : wy[j] * flux[c];
+        else if (dim == MPM_MAX_DIM) {
           along[c] = wz[k] * wy[j] * flux[c * dim];
           row[c]   = wz[k] * gy[j] * flux[c * dim + 1] + gz[k] * wy[j] * flux[c * dim + 2];
         } else {
@@ -89,8 +103,11 @@ MPM_INLINE void AddForce(const Known known, const MpmStack *stack, const Lane *r
         }
       }
       for (PetscInt i = 0; i < nx; i++) {
-        for (PetscInt c = 0; c < dim; c++, force++)
-          *force = (known.shared ? *force : (Lane){0.}) + gx[i] * along[c] + w[i] * row[c];
+        for (PetscInt c = 0; c < bs; c++, force++) {
+          const Lane before = known.shared ? *force : (Lane){0.};
+
+          *force = known.gradient ? before + gx[i] * along[c] + w[i] * row[c] : before + w[i] * row[c];
+        }
       }
     }
   }
@@ -124,7 +141,7 @@ MPM_INLINE void TimesWhole(PetscInt N, PetscBool transposed, const Lane *restric
 MPM_INLINE void TakeFlux(const Known known, const MpmFactored *factored, PetscBool transposed, PetscInt batch,
                          const Lane gradient[], Lane flux[])
 {
-  const PetscInt N = known.dim * known.dim;
+  const PetscInt N = InputsOf(known);
   const Lane    *D = &factored->tangent[batch * factored->size];
 
   if (factored->half) TimesHalf(N, D, gradient, flux);
@@ -141,12 +158,12 @@ MPM_INLINE const PetscInt *NodesOf(const MpmFactored *factored, PetscInt lane)
 }
 
 /* Values at the nodes of a shared box, and of each lane's own. */
-MPM_INLINE void GatherShared(PetscInt dim, PetscInt n, const PetscInt nodes[], const PetscReal x[], PetscReal values[])
+MPM_INLINE void GatherShared(PetscInt bs, PetscInt n, const PetscInt nodes[], const PetscReal x[], PetscReal values[])
 {
   for (PetscInt i = 0; i < n; i++)
-    for (PetscInt c = 0; c < dim; c++) *values++ = x[nodes[i] * dim + c];
+    for (PetscInt c = 0; c < bs; c++) *values++ = x[nodes[i] * bs + c];
 }
-MPM_INLINE void GatherLanes(PetscInt dim, PetscInt n, const MpmFactored *factored, PetscInt batch, const PetscReal x[],
+MPM_INLINE void GatherLanes(PetscInt bs, PetscInt n, const MpmFactored *factored, PetscInt batch, const PetscReal x[],
                             Lane values[])
 {
   for (PetscInt lane = 0; lane < MPM_LANES; lane++) {
@@ -154,7 +171,7 @@ MPM_INLINE void GatherLanes(PetscInt dim, PetscInt n, const MpmFactored *factore
     PetscReal      *to    = (PetscReal *)values + lane;
 
     for (PetscInt i = 0; i < n; i++)
-      for (PetscInt c = 0; c < dim; c++, to += MPM_LANES) *to = nodes ? x[nodes[i] * dim + c] : 0.;
+      for (PetscInt c = 0; c < bs; c++, to += MPM_LANES) *to = nodes ? x[nodes[i] * bs + c] : 0.;
   }
 }
 
@@ -189,58 +206,72 @@ MPM_INLINE void ScatterLanes(PetscInt block, PetscInt n, const MpmFactored *fact
 MPM_INLINE void ApplyStack(const Known known, const MpmFactored *factored, const MpmStack *stack, PetscBool transposed,
                            const PetscReal x[], PetscReal y[])
 {
-  const PetscInt  dim = known.dim, nx = RowOf(known, stack), ny = stack->count[1], nz = stack->count[2];
+  const PetscInt dim = known.dim, bs = known.block, nx = RowOf(known, stack), ny = stack->count[1],
+                 nz = stack->count[2];
   const PetscInt  n = nx * ny * nz, lines = 2 * (dim == MPM_MAX_DIM ? nx + ny + nz : nx + ny);
   const PetscInt *nodes  = NodesOf(factored, stack->begin * MPM_LANES);
   const Lane     *w      = &factored->lines[stack->lines];
-  Lane           *values = factored->work, *force = values + n * dim;
+  Lane           *values = factored->work, *force = values + n * bs;
 
   if (known.shared) {
-    GatherShared(dim, n, nodes, x, (PetscReal *)values);
-    for (PetscInt m = 0; m < n * dim; m++) force[m] = (Lane){0.};
+    GatherShared(bs, n, nodes, x, (PetscReal *)values);
+    for (PetscInt m = 0; m < n * bs; m++) force[m] = (Lane){0.};
   }
   for (PetscInt batch = stack->begin; batch < stack->end; batch++, w += lines) {
-    Lane gradient[MPM_MAX_DIM * MPM_MAX_DIM], flux[MPM_MAX_DIM * MPM_MAX_DIM];
+    Lane input[MPM_MAX_DIM * MPM_MAX_DIM], flux[MPM_MAX_DIM * MPM_MAX_DIM];
 
-    if (!known.shared) GatherLanes(dim, n, factored, batch, x, values);
-    TakeGradient(known, stack, w, values, gradient);
-    TakeFlux(known, factored, transposed, batch, gradient, flux);
+    if (!known.shared) GatherLanes(bs, n, factored, batch, x, values);
+    TakeInputs(known, stack, w, values, input);
+    TakeFlux(known, factored, transposed, batch, input, flux);
     AddForce(known, stack, w, flux, force);
-    if (!known.shared) ScatterLanes(dim, n, factored, batch, force, y);
+    if (!known.shared) ScatterLanes(bs, n, factored, batch, force, y);
   }
-  if (known.shared) ScatterShared(dim, n, nodes, force, y);
+  if (known.shared) ScatterShared(bs, n, nodes, force, y);
 }
 
-/* Calls f(known, ...) with constants for the usual cases. */
+/* Calls f(known, ...) with constants for the usual cases. BLOCK: unknowns a node; GRADIENT: inputs are gradients. */
+#define KNOWN(DIM, ROW, SHARED, BLOCK, GRADIENT) ((Known){DIM, ROW, SHARED, BLOCK, GRADIENT})
 #ifdef MPM_LOOPS_GENERAL
-#define ROWS(f, DIM, SHARED, ...)
+#define ROWS(f, DIM, SHARED, BLOCK, GRADIENT, ...)
 #else
-#define ROWS(f, DIM, SHARED, ...) \
+#define ROWS(f, DIM, SHARED, BLOCK, GRADIENT, ...) \
   case 2: \
-    f(((Known){DIM, 2, SHARED}), __VA_ARGS__); \
+    f(KNOWN(DIM, 2, SHARED, BLOCK, GRADIENT), __VA_ARGS__); \
     break; \
   case 3: \
-    f(((Known){DIM, 3, SHARED}), __VA_ARGS__); \
+    f(KNOWN(DIM, 3, SHARED, BLOCK, GRADIENT), __VA_ARGS__); \
     break; \
   case 4: \
-    f(((Known){DIM, 4, SHARED}), __VA_ARGS__); \
+    f(KNOWN(DIM, 4, SHARED, BLOCK, GRADIENT), __VA_ARGS__); \
     break; \
   case 5: \
-    f(((Known){DIM, 5, SHARED}), __VA_ARGS__); \
+    f(KNOWN(DIM, 5, SHARED, BLOCK, GRADIENT), __VA_ARGS__); \
     break;
 #endif
-#define BY_ROW(f, DIM, SHARED, stack, ...) \
+#define BY_ROW(f, DIM, SHARED, BLOCK, GRADIENT, stack, ...) \
   switch ((stack)->count[0]) { \
-    ROWS(f, DIM, SHARED, __VA_ARGS__) \
+    ROWS(f, DIM, SHARED, BLOCK, GRADIENT, __VA_ARGS__) \
   default: \
-    f(((Known){DIM, 0, SHARED}), __VA_ARGS__); \
+    f(KNOWN(DIM, 0, SHARED, BLOCK, GRADIENT), __VA_ARGS__); \
     break; \
   }
-#define BY_BOX(f, DIM, stack, ...) \
+#define BY_BOX(f, DIM, BLOCK, GRADIENT, stack, ...) \
   if ((stack)->shared) { \
-    BY_ROW(f, DIM, PETSC_TRUE, stack, __VA_ARGS__) \
+    BY_ROW(f, DIM, PETSC_TRUE, BLOCK, GRADIENT, stack, __VA_ARGS__) \
   } else { \
-    BY_ROW(f, DIM, PETSC_FALSE, stack, __VA_ARGS__) \
+    BY_ROW(f, DIM, PETSC_FALSE, BLOCK, GRADIENT, stack, __VA_ARGS__) \
+  }
+
+/* The action of a stack in DIM dimensions, by the kind of inputs. */
+#define APPLY_STACK(DIM, factored, ...) \
+  if ((factored)->block > 1 && (factored)->gradient) { \
+    BY_BOX(ApplyStack, DIM, DIM, PETSC_TRUE, __VA_ARGS__) \
+  } else if ((factored)->block > 1) { \
+    BY_BOX(ApplyStack, DIM, DIM, PETSC_FALSE, __VA_ARGS__) \
+  } else if ((factored)->gradient) { \
+    BY_BOX(ApplyStack, DIM, 1, PETSC_TRUE, __VA_ARGS__) \
+  } else { \
+    BY_BOX(ApplyStack, DIM, 1, PETSC_FALSE, __VA_ARGS__) \
   }
 
 void MpmFactoredApply(const MpmFactored *factored, PetscBool transposed, const PetscReal x[], PetscReal y[])
@@ -249,9 +280,9 @@ void MpmFactoredApply(const MpmFactored *factored, PetscBool transposed, const P
     const MpmStack *stack = &factored->stack[k];
 
     if (factored->sum->space->dim == MPM_MAX_DIM) {
-      BY_BOX(ApplyStack, MPM_MAX_DIM, stack, factored, stack, transposed, x, y)
+      APPLY_STACK(MPM_MAX_DIM, factored, stack, factored, stack, transposed, x, y)
     } else {
-      BY_BOX(ApplyStack, 2, stack, factored, stack, transposed, x, y)
+      APPLY_STACK(2, factored, stack, factored, stack, transposed, x, y)
     }
   }
 }
@@ -263,26 +294,28 @@ MPM_INLINE Lane EntryOf(PetscInt N, PetscBool half, const Lane *D, PetscInt k, P
 }
 
 /*
-  blocks_icd (+)= sum_ab g_ia D_ca,db g_ib of one batch, g_i the gradient of node i's function. Products of two factors
-  stand for both of their orders.
+  blocks_icd (+)= sum_ab g_ia D_ca,db g_ib of one batch, g_i the gradient of node i's function; w_i D_c,d w_i of values.
+  Products of two factors stand for both of their orders.
 */
-MPM_INLINE void AddBlocks(PetscInt dim, PetscBool half, const MpmStack *stack, const Lane *restrict w, const Lane *D,
-                          Lane *restrict blocks)
+MPM_INLINE void AddBlocks(const Known known, PetscBool half, const MpmStack *stack, const Lane *restrict w,
+                          const Lane *D, Lane *restrict blocks)
 {
-  const PetscInt N = dim * dim, nx = stack->count[0], ny = stack->count[1], nz = stack->count[2];
+  const PetscInt dim = known.dim, N = InputsOf(known), bs = known.block, axes = known.gradient ? dim : 1;
+  const PetscInt nx = stack->count[0], ny = stack->count[1], nz = stack->count[2];
   const Lane    *gx = w + nx, *wy = gx + nx, *gy = wy + ny, *wz = gy + ny, *gz = wz + nz, one = 1. - (Lane){0.};
 
   for (PetscInt k = 0; k < nz; k++) {
     for (PetscInt j = 0; j < ny; j++) {
       for (PetscInt i = 0; i < nx; i++) {
         const Lane z    = dim == MPM_MAX_DIM ? wz[k] : one;
-        Lane       g[3] = {gx[i] * wy[j] * z, w[i] * gy[j] * z};
+        Lane       g[3] = {(known.gradient ? gx[i] : w[i]) * wy[j] * z, w[i] * gy[j] * z};
 
         if (dim == MPM_MAX_DIM) g[2] = w[i] * wy[j] * gz[k];
-        for (PetscInt c = 0; c < dim; c++) {
-          for (PetscInt d = 0; d < dim; d++, blocks++) {
-            for (PetscInt a = 0; a < dim; a++)
-              for (PetscInt b = 0; b < dim; b++) *blocks += g[a] * g[b] * EntryOf(N, half, D, c * dim + a, d * dim + b);
+        for (PetscInt c = 0; c < bs; c++) {
+          for (PetscInt d = 0; d < bs; d++, blocks++) {
+            for (PetscInt a = 0; a < axes; a++)
+              for (PetscInt b = 0; b < axes; b++)
+                *blocks += g[a] * g[b] * EntryOf(N, half, D, c * axes + a, d * axes + b);
           }
         }
       }
@@ -291,17 +324,17 @@ MPM_INLINE void AddBlocks(PetscInt dim, PetscBool half, const MpmStack *stack, c
 }
 
 /* Diagonal blocks of one stack. */
-MPM_INLINE void DiagonalStack(PetscInt dim, PetscBool half, const MpmFactored *factored, const MpmStack *stack,
+MPM_INLINE void DiagonalStack(const Known known, PetscBool half, const MpmFactored *factored, const MpmStack *stack,
                               PetscReal blocks[])
 {
   const PetscInt nx = stack->count[0], ny = stack->count[1], nz = stack->count[2], n = nx * ny * nz;
-  const PetscInt lines = 2 * (dim == MPM_MAX_DIM ? nx + ny + nz : nx + ny), block = dim * dim;
+  const PetscInt lines = 2 * (known.dim == MPM_MAX_DIM ? nx + ny + nz : nx + ny), block = known.block * known.block;
   Lane          *sums = factored->work;
 
   for (PetscInt batch = stack->begin; batch < stack->end; batch++) {
     if (batch == stack->begin || !stack->shared)
       for (PetscInt m = 0; m < n * block; m++) sums[m] = (Lane){0.};
-    AddBlocks(dim, half, stack, &factored->lines[stack->lines + (size_t)((batch - stack->begin) * lines)],
+    AddBlocks(known, half, stack, &factored->lines[stack->lines + (size_t)((batch - stack->begin) * lines)],
               &factored->tangent[batch * factored->size], sums);
     if (!stack->shared) ScatterLanes(block, n, factored, batch, sums, blocks);
   }
@@ -311,13 +344,18 @@ MPM_INLINE void DiagonalStack(PetscInt dim, PetscBool half, const MpmFactored *f
 void MpmFactoredDiagonal(const MpmFactored *factored, PetscReal blocks[])
 {
   const PetscInt dim = factored->sum->space->dim;
+  const Known    any = {dim, 0, PETSC_FALSE, factored->block, factored->gradient};
 
   for (PetscInt k = 0; k < factored->stack_count; k++) {
     const MpmStack *stack = &factored->stack[k];
 
-    if (dim == MPM_MAX_DIM && factored->half) DiagonalStack(MPM_MAX_DIM, PETSC_TRUE, factored, stack, blocks);
-    else if (dim == MPM_MAX_DIM) DiagonalStack(MPM_MAX_DIM, PETSC_FALSE, factored, stack, blocks);
-    else if (factored->half) DiagonalStack(2, PETSC_TRUE, factored, stack, blocks);
-    else DiagonalStack(2, PETSC_FALSE, factored, stack, blocks);
+    if (factored->block == 1 || !factored->gradient) DiagonalStack(any, factored->half, factored, stack, blocks);
+    else if (dim == MPM_MAX_DIM && factored->half)
+      DiagonalStack(KNOWN(MPM_MAX_DIM, 0, PETSC_FALSE, MPM_MAX_DIM, PETSC_TRUE), PETSC_TRUE, factored, stack, blocks);
+    else if (dim == MPM_MAX_DIM)
+      DiagonalStack(KNOWN(MPM_MAX_DIM, 0, PETSC_FALSE, MPM_MAX_DIM, PETSC_TRUE), PETSC_FALSE, factored, stack, blocks);
+    else if (factored->half)
+      DiagonalStack(KNOWN(2, 0, PETSC_FALSE, 2, PETSC_TRUE), PETSC_TRUE, factored, stack, blocks);
+    else DiagonalStack(KNOWN(2, 0, PETSC_FALSE, 2, PETSC_TRUE), PETSC_FALSE, factored, stack, blocks);
   }
 }

@@ -30,8 +30,9 @@ typedef struct {
 
 struct MpmFactored {
   const MpmSum *sum;
-  PetscBool     half;
-  PetscInt      size; /* numbers kept of a tangent */
+  PetscBool     half, gradient; /* gradient: inputs are gradients, c * dim + axis; otherwise values */
+  PetscInt      block, inputs;  /* unknowns a node, inputs of the kernel */
+  PetscInt      size;           /* numbers kept of a tangent */
   PetscInt      stack_count, batch_count;
   MpmStack     *stack;
   PetscInt     *group;   /* of each lane: its group, or -1; MPM_LANES a batch */

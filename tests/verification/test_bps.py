@@ -7,15 +7,20 @@ iterations of the conjugate gradient method to 1e-10 in its natural norm. --full
 import sys
 from pathlib import Path
 
+import numpy as np
+from numpy.polynomial import legendre
+
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from talus_test import EXAMPLES, FULL, Run, Test  # noqa: E402
+from talus_test import EXAMPLES, FULL, Run, Test, difference  # noqa: E402
 
 sys.path.insert(0, str(EXAMPLES / "bps"))
-from check import error, order_of  # noqa: E402
+from check import MORE, error, lagrange, lobatto, nodal, order_of, weierstrass  # noqa: E402
 
 # Relative error and iterations with 8^3 cells by order: u = W(x) W(y) W(z), order + 2 Gauss points an axis in a cell.
 PROJECTION = {1: (1.768489e-2, 29), 2: (1.557580e-3, 16), 3: (4.674741e-5, 8), 4: (2.428252e-6, 6)}
 POISSON = {1: (5.467784e-2, 19), 2: (1.679799e-3, 64), 3: (7.377077e-5, 107), 4: (2.839659e-6, 156)}
+PLANE = {"mpm_dim": 2, "mpm_grid_lower": "0,0", "mpm_grid_upper": "1,1", "mpm_grid_cells": "4,4", "mpm_body_cube_lower": "0,0",
+         "mpm_body_cube_upper": "1,1", "mpm_body_cube_points_per_cell": "4,4"}
 EDGES = ("west", "east", "south", "north", "bottom", "top")
 REFUSED = {"loads": ({"mpm_loads": "g", "mpm_load_g_type": "gravity", "mpm_load_g_value": "0,0,-1"}, "-mpm_loads: not available for physics poisson"),
            "ghost": ({"mpm_stabilization_ghost": 0.1}, "-mpm_stabilization_ghost: not available for physics poisson"),
@@ -49,6 +54,37 @@ def table(test, physics, order, known, **more):
     test.near(f"{label}.iterations", ended.results.summary["linear_iterations"], known[1], absolute=1)
 
 
+def projection_error(dim, order, count):
+    """Relative error of a projection by order + 2 Gauss points an axis, from its factors along one axis."""
+    def line(points):
+        x, weight = legendre.leggauss(points)
+        basis = np.zeros((count * points, count * order + 1))
+        for cell in range(count):
+            basis[cell * points:(cell + 1) * points, cell * order:(cell + 1) * order + 1] = lagrange(lobatto(order), x)
+        place = np.concatenate([(cell + (1 + x) / 2) / count for cell in range(count)])
+        return basis, weierstrass(place), np.tile(weight / (2 * count), count)
+
+    basis, exact, weight = line(order + 2)
+    field = np.linalg.solve(basis.T @ (weight[:, None] * basis), basis.T @ (weight * exact))
+    basis, exact, weight = line(order + MORE)
+    squares = [np.sum(weight * a * b) ** dim for a, b in ((basis @ field, basis @ field), (basis @ field, exact), (exact, exact))]
+    return np.sqrt((squares[0] - 2 * squares[1] + squares[2]) / squares[2])
+
+
+def plane(test):
+    """In the plane, of one and of two components."""
+    for physics in ("projection", "projection_vector"):
+        ended = run(test, physics, 2, 4, **PLANE)
+        test.near(f"plane.{physics}", error(ended.results), projection_error(2, 2, 4), relative=1e-6)
+
+
+def forms(test):
+    """The field is the same by a matrix and without, with points between the cells' Gauss points."""
+    for physics in ("poisson", "poisson_vector"):
+        fields = [nodal(run(test, physics, 2, 3, points="random", mpm_jacobian=form).results) for form in ("local", "matfree")]
+        test.check(f"forms.{physics}", difference(*fields), upper=1e-8)
+
+
 def clouds(test, orders):
     """Fluxes as load keep the order of the element on a cloud of points; values with volumes as weights stay below 2."""
     for order in orders:
@@ -66,6 +102,8 @@ with Test() as test:
             table(test, "poisson_vector", order, POISSON[order])
     table(test, "poisson", 1, POISSON[1], ranks=3)
     table(test, "projection", 1, PROJECTION[1], ranks=3)
+    plane(test)
+    forms(test)
     clouds(test, (1, 2, 3, 4) if FULL else (1,))
     for name, (options, text) in REFUSED.items():
         refused = run(test, "poisson", 1, 2, status=None, **options)
