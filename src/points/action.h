@@ -17,7 +17,7 @@ typedef struct {
   PetscReal      *u;         /* at the local nodes: where the derivative is taken */
   PetscReal      *tangent;   /* per place in the points' order, or NULL */
   MpmFactored    *factored;  /* in place of `tangent`, or NULL */
-  PetscReal      *mean_flux; /* per cell */
+  PetscReal      *mean_flux; /* conjugate to the mean, at each of the ordered points; or NULL */
   PetscReal      *values, *dvalues, *force, *storage;
   MpmBasis        basis;
   MpmCellWork     cell;

@@ -6,6 +6,9 @@
   V_p is the volume at the step's start. All points of a cell belong to one rank, so nothing is sent. With f the flux
   conjugate to m_bar, summed over the cell, the work f delta m_bar adds f w_p dm_p to the fluxes of each point, and f
   w_p ddm_p to their derivatives. The passes over a cell make m_bar, then fluxes and f, then these additions.
+
+  Elements of order p take polynomials of degree p - 1 in place of one mean (mean_modes.c): with values phi_i at the
+  points, a sum over the cell has one value a polynomial, and what a point takes of it is theirs at its place.
 */
 #include "space/kernel_point.h"
 #include "points/cell_mean.h"
@@ -33,27 +36,6 @@ static void BoxOfGroups(const MpmSpace *space, const MpmCell *cell, MpmGroup *bo
   }
 }
 
-/* w_p */
-static PetscErrorCode Shares(MpmSpace *space, const MpmPoints *points)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(space->point_count, &space->cells.share));
-  for (PetscInt c = 0; c < space->cells.count; c++) {
-    const PetscInt begin = space->groups[space->cells.at[c].group_begin].point_begin;
-    const PetscInt end   = space->groups[space->cells.at[c].group_end - 1].point_end;
-    PetscReal      total = 0.;
-
-    for (PetscInt s = begin; s < end; s++) {
-      const PetscInt p = space->order[s];
-
-      space->cells.share[p] = points->volume0[p] * MpmPointJ(points, p);
-      total += space->cells.share[p];
-    }
-    for (PetscInt s = begin; s < end; s++) space->cells.share[space->order[s]] /= total;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmCellsBoxes(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space)
 {
   MpmGroup *boxes;
@@ -72,7 +54,7 @@ PetscErrorCode MpmCellsBoxes(void *ctx, const MpmRules *rules, const MpmPoints *
   for (PetscInt c = 0; c < space->cells.count; c++) space->cells.at[c].box = space->boxes.count + c;
   PetscCall(MpmSpaceAppendBoxes(space, space->cells.count, &boxes));
   for (PetscInt c = 0; c < space->cells.count; c++) BoxOfGroups(space, &space->cells.at[c], &boxes[c]);
-  PetscCall(Shares(space, points));
+  PetscCall(MpmModesMake(rules->grid, points, space));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -145,20 +127,23 @@ MPM_INLINE PetscErrorCode CellMean(const PetscInt N, const MpmSum *sum, const Mp
                                    MpmCellWork *work, PetscInt *failed)
 {
   const MpmKernelSet *kernel = sum->layout->kernel;
+  const MpmCells     *cells  = &sum->space->cells;
   const PetscInt      end    = MpmCellEnd(sum, cell);
+  PetscReal           mean[MPM_MAX_MODES];
 
-  work->mean = 0.;
+  for (PetscInt i = 0; i < cells->modes; i++) mean[i] = 0.;
   for (PetscInt s = work->begin; s < end; s++) {
     MpmCellPoint   *at = &work->point[s - work->begin];
-    const PetscReal w  = sum->space->cells.share[sum->space->order[s]];
+    const PetscReal w  = cells->share[sum->space->order[s]];
     PetscReal       m;
 
     MpmSumPoint(sum, sum->space->order[s], &at->point);
     if ((second ? kernel->mean_tangent : kernel->mean)(&at->point, at->input, &m, at->tangent.dm, at->ddm)) (*failed)++;
-    work->mean += w * m;
+    MpmModesAdd(cells, sum->space->order[s], w * m, mean);
     for (PetscInt k = 0; k < N; k++) at->tangent.dm[k] *= w;
   }
-  for (PetscInt s = work->begin; s < end; s++) work->point[s - work->begin].input[N] = work->mean;
+  for (PetscInt s = work->begin; s < end; s++)
+    work->point[s - work->begin].input[N] = MpmModesAt(cells, sum->space->order[s], mean);
   return PETSC_SUCCESS;
 }
 
@@ -178,18 +163,19 @@ PetscErrorCode MpmCellResidual(const MpmSum *sum, const MpmCell *cell, const Pet
   PetscFunctionBeginUser;
   PetscCall(MpmCellInputs(sum, cell, u, NULL, work));
   PetscCall(MpmCellMean(sum, cell, PETSC_FALSE, work, failed));
-  work->mean_flux = 0.;
+  for (PetscInt i = 0; i < sum->space->cells.modes; i++) work->mean_flux[i] = 0.;
   for (PetscInt s = work->begin; s < end && *failed == before; s++) {
     MpmCellPoint *at = &work->point[s - work->begin];
 
     MpmSumTrial(sum, trial, sum->space->order[s], &at->point);
     if (sum->layout->kernel->residual(&at->point, at->input, at->flux)) (*failed)++;
-    work->mean_flux += at->flux[N];
+    MpmModesAdd(&sum->space->cells, sum->space->order[s], at->flux[N], work->mean_flux);
   }
   for (PetscInt s = work->begin; s < end && *failed == before; s++) {
     const MpmCellPoint *at = &work->point[s - work->begin];
+    const PetscReal     f  = MpmModesAt(&sum->space->cells, sum->space->order[s], work->mean_flux);
 
-    for (PetscInt k = 0; k < N; k++) at->flux[k] += work->mean_flux * at->tangent.dm[k];
+    for (PetscInt k = 0; k < N; k++) at->flux[k] += f * at->tangent.dm[k];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -199,19 +185,20 @@ MPM_INLINE PetscErrorCode CellTangent(const PetscInt N, const MpmSum *sum, const
 {
   const PetscInt end = MpmCellEnd(sum, cell), before = *failed;
 
-  work->mean_flux = 0.;
+  for (PetscInt i = 0; i < sum->space->cells.modes; i++) work->mean_flux[i] = 0.;
   for (PetscInt s = work->begin; s < end && *failed == before; s++) {
     const MpmCellPoint *at = &work->point[s - work->begin];
 
     if (sum->layout->kernel->tangent(&at->point, at->input, at->flux, at->tangent.by_input)) (*failed)++;
-    work->mean_flux += at->flux[N];
+    MpmModesAdd(&sum->space->cells, sum->space->order[s], at->flux[N], work->mean_flux);
   }
   for (PetscInt s = work->begin; s < end && *failed == before; s++) {
     const MpmCellPoint *at = &work->point[s - work->begin];
-    const PetscReal     f  = work->mean_flux * sum->space->cells.share[sum->space->order[s]];
+    const PetscReal     f  = MpmModesAt(&sum->space->cells, sum->space->order[s], work->mean_flux);
+    const PetscReal     fw = f * sum->space->cells.share[sum->space->order[s]];
 
-    for (PetscInt k = 0; k < N; k++) at->flux[k] += work->mean_flux * at->tangent.dm[k];
-    for (PetscInt k = 0; k < N * N; k++) at->tangent.by_input[k] += f * at->ddm[k];
+    for (PetscInt k = 0; k < N; k++) at->flux[k] += f * at->tangent.dm[k];
+    for (PetscInt k = 0; k < N * N; k++) at->tangent.by_input[k] += fw * at->ddm[k];
   }
   return PETSC_SUCCESS;
 }

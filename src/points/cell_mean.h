@@ -3,7 +3,7 @@
   The derivatives of a point's fluxes, and the passes over the cells of a physics that takes a mean over them.
 */
 #include "point/layout.h"
-#include "space/basis.h"
+#include "points/mean_modes.h"
 #include "space/basis.h"
 #include "space/space.h"
 #include "space/sum.h"
@@ -17,7 +17,7 @@ typedef struct {
   PetscReal *by_mean;  /* of the N fluxes by m_bar */
   PetscReal *of_mean;  /* of the flux conjugate to m_bar by the N inputs */
   PetscReal *second;   /* of that flux by m_bar */
-  PetscReal *dm;       /* of m_bar by the N inputs */
+  PetscReal *dm;       /* of the point's share in m_bar by the N inputs */
 } MpmTangent;
 static inline PetscInt MpmTangentSize(const MpmLayout *layout)
 {
@@ -36,12 +36,12 @@ typedef struct {
   PetscReal     *ddm;            /* second derivatives of the point's own m: N x N */
   MpmTangent     tangent;
 } MpmCellPoint;
-/* Room for the points of one cell, and the cell's sums: m_bar and the flux conjugate to it. */
+/* Room for the points of one cell, and the cell's sum of the flux conjugate to m_bar. */
 typedef struct {
   MpmCellPoint *point;
   PetscInt      begin; /* where the cell's points begin in the points' order */
   PetscReal    *storage, *values, *dvalues, *force;
-  PetscReal     mean, mean_flux;
+  PetscReal     mean_flux[MPM_MAX_MODES];
 } MpmCellWork;
 PetscErrorCode MpmCellWorkCreate(const MpmSum *sum, MpmCellWork *work);
 PetscErrorCode MpmCellWorkDestroy(MpmCellWork *work);

@@ -6,18 +6,22 @@
 
 PetscErrorCode MpmCouplingCreate(const MpmSum *sum, MpmCoupling *coupling)
 {
-  const PetscInt n = PetscPowInt(sum->space->boxes.reach + 1, sum->space->dim) * sum->block;
+  const PetscInt n     = PetscPowInt(sum->space->boxes.reach + 1, sum->space->dim) * sum->block;
+  const PetscInt modes = sum->space->cells.modes;
 
   PetscFunctionBeginUser;
   PetscCall(MpmCellWorkCreate(sum, &coupling->cell));
   coupling->storage = NULL;
   coupling->spread  = NULL;
+  coupling->modes   = modes;
   if (!sum->layout->means) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((6 * n), &coupling->storage));
-  coupling->flux_by_mean = coupling->storage;
-  coupling->mean_by_u    = coupling->flux_by_mean + n;
-  coupling->f_by_u       = coupling->mean_by_u + n;
-  for (PetscInt v = 0; v < 3; v++) coupling->part[v] = coupling->storage + (3 + v) * n;
+  PetscCall(PetscMalloc1((3 * (modes + 1) * n), &coupling->storage));
+  for (PetscInt i = 0; i < modes; i++) {
+    PetscReal *at = coupling->storage + 3 * i * n;
+
+    coupling->mode[i] = (MpmModeCoupling){at, at + n, at + 2 * n};
+  }
+  for (PetscInt v = 0; v < 3; v++) coupling->part[v] = coupling->storage + (3 * modes + v) * n;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -37,13 +41,18 @@ PetscErrorCode MpmCouplingBegin(const MpmSum *sum, const MpmCell *cell, const Pe
   PetscFunctionBeginUser;
   if (!sum->layout->means) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmCellTangent(sum, cell, u, &coupling->cell, failed));
-  for (PetscInt k = 0; k < n; k++) coupling->flux_by_mean[k] = coupling->mean_by_u[k] = coupling->f_by_u[k] = 0.;
-  coupling->f_by_mean = 0.;
+  for (PetscInt i = 0; i < coupling->modes; i++) {
+    const MpmModeCoupling mode = coupling->mode[i];
+
+    for (PetscInt k = 0; k < n; k++) mode.flux_by_mean[k] = mode.mean_by_u[k] = mode.f_by_u[k] = 0.;
+  }
+  for (PetscInt k = 0; k < PetscSqr(coupling->modes); k++) coupling->f_by_mean[k] = 0.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One group's part of the vectors goes from [c][i] to its place in the cell's box. */
-MPM_INLINE void TakePart(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, MpmCoupling *coupling)
+/* One group's part of the vectors of a polynomial goes from [c][i] to its place in the cell's box. */
+MPM_INLINE void TakePart(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const MpmCoupling *coupling,
+                         const MpmModeCoupling mode)
 {
   const PetscInt bs = known.block, *const count = known.count;
   const MpmGroup *box = &sum->space->groups[sum->space->cells.at[group->cell].box];
@@ -57,29 +66,44 @@ MPM_INLINE void TakePart(const MpmKnown known, const MpmSum *sum, const MpmGroup
 
       for (PetscInt k = 0; k < count[0]; k++, i++) {
         for (PetscInt c = 0; c < bs; c++) {
-          coupling->flux_by_mean[(first + k) * bs + c] += coupling->part[0][c * known.n + i];
-          coupling->mean_by_u[(first + k) * bs + c] += coupling->part[1][c * known.n + i];
-          coupling->f_by_u[(first + k) * bs + c] += coupling->part[2][c * known.n + i];
+          mode.flux_by_mean[(first + k) * bs + c] += coupling->part[0][c * known.n + i];
+          mode.mean_by_u[(first + k) * bs + c] += coupling->part[1][c * known.n + i];
+          mode.f_by_u[(first + k) * bs + c] += coupling->part[2][c * known.n + i];
         }
       }
     }
   }
 }
 
+/* Adds a point's fluxes, times the value of a polynomial at it, to the nodes of its group. */
+MPM_INLINE void AddFlux(const MpmKnown known, const MpmSum *sum, const MpmBasis *basis, PetscReal phi,
+                        const PetscReal flux[], PetscReal part[])
+{
+  PetscReal scaled[MPM_MAX_INPUTS];
+
+  for (PetscInt k = 0; k < known.inputs; k++) scaled[k] = phi * flux[k];
+  MpmSumAddFlux(known, sum->layout, basis, scaled, part);
+}
+
 MPM_INLINE PetscErrorCode AddGroup(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
                                    MpmCoupling *coupling)
 {
-  for (PetscInt v = 0; v < 3; v++)
-    for (PetscInt k = 0; k < known.n * known.block; k++) coupling->part[v][k] = 0.;
-  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const MpmCellPoint *at = &coupling->cell.point[s - coupling->cell.begin];
+  const MpmCells *cells = &sum->space->cells;
 
-    MpmSumAddFlux(known, sum->layout, &at->basis, at->tangent.by_mean, coupling->part[0]);
-    MpmSumAddFlux(known, sum->layout, &at->basis, at->tangent.dm, coupling->part[1]);
-    MpmSumAddFlux(known, sum->layout, &at->basis, at->tangent.of_mean, coupling->part[2]);
-    coupling->f_by_mean += at->tangent.second[0];
+  for (PetscInt i = 0; i < coupling->modes; i++) {
+    for (PetscInt v = 0; v < 3; v++)
+      for (PetscInt k = 0; k < known.n * known.block; k++) coupling->part[v][k] = 0.;
+    for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+      const MpmCellPoint *at  = &coupling->cell.point[s - coupling->cell.begin];
+      const PetscReal     phi = MpmModeValue(cells, sum->space->order[s], i);
+
+      AddFlux(known, sum, &at->basis, phi, at->tangent.by_mean, coupling->part[0]);
+      AddFlux(known, sum, &at->basis, phi, at->tangent.dm, coupling->part[1]);
+      AddFlux(known, sum, &at->basis, phi, at->tangent.of_mean, coupling->part[2]);
+      MpmModesAdd(cells, sum->space->order[s], phi * at->tangent.second[0], &coupling->f_by_mean[i * coupling->modes]);
+    }
+    TakePart(known, sum, group, coupling, coupling->mode[i]);
   }
-  TakePart(known, sum, group, coupling);
   return PETSC_SUCCESS;
 }
 
@@ -92,7 +116,10 @@ PetscErrorCode MpmCouplingAddGroup(const MpmSum *sum, const MpmGroup *group, Mpm
 
 void MpmCouplingEnd(const MpmSum *sum, const MpmCell *cell, MpmCoupling *coupling)
 {
-  const PetscInt n = sum->space->groups[cell->box].node_count * sum->block;
+  const PetscInt n = sum->space->groups[cell->box].node_count * sum->block, modes = coupling->modes;
 
-  for (PetscInt k = 0; k < n; k++) coupling->f_by_u[k] += coupling->f_by_mean * coupling->mean_by_u[k];
+  for (PetscInt i = 0; i < modes; i++)
+    for (PetscInt j = 0; j < modes; j++)
+      for (PetscInt k = 0; k < n; k++)
+        coupling->mode[i].f_by_u[k] += coupling->f_by_mean[i * modes + j] * coupling->mode[j].mean_by_u[k];
 }

@@ -35,8 +35,11 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     }
     if (sum->layout->means) {
       MpmCouplingEnd(sum, &groups, &to.coupling);
-      MpmPatternAddPair(pattern, space, &space->groups[groups.box], to.coupling.flux_by_mean, to.coupling.mean_by_u,
-                        to.coupling.f_by_u);
+      for (PetscInt i = 0; i < to.coupling.modes; i++) {
+        const MpmModeCoupling mode = to.coupling.mode[i];
+
+        MpmPatternAddPair(pattern, space, &space->groups[groups.box], mode.flux_by_mean, mode.mean_by_u, mode.f_by_u);
+      }
     }
   }
   PetscCall(PetscFree2(to.element, to.rows));

@@ -44,7 +44,7 @@ PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBo
     PetscCall(
       PetscMalloc1(((size_t)sum->space->point_count * (size_t)MpmTangentSize(sum->layout) + 1), &action->tangent));
   PetscCall(MpmCellWorkCreate(sum, &action->cell));
-  PetscCall(PetscMalloc1(sum->space->cells.count, &action->mean_flux));
+  if (sum->layout->means) PetscCall(PetscMalloc1(sum->space->point_count, &action->mean_flux));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -104,7 +104,7 @@ MPM_INLINE PetscErrorCode StoreGroup(const MpmKnown known, MpmAction *action, co
   return PETSC_SUCCESS;
 }
 
-/* Keeps the tangents of a cell's points, or the flux conjugate to its mean. */
+/* Keeps the tangents of a cell's points, and the flux conjugate to its mean at each. */
 static PetscErrorCode StoreCell(MpmAction *action, PetscInt c, PetscInt *failed)
 {
   const MpmCell *cell = &action->sum->space->cells.at[c];
@@ -114,7 +114,8 @@ static PetscErrorCode StoreCell(MpmAction *action, PetscInt c, PetscInt *failed)
   PetscFunctionBeginUser;
   if (action->tangent) PetscCall(MpmCellTangent(sum, cell, action->u, &action->cell, failed));
   else PetscCall(MpmCellResidual(sum, cell, action->u, NULL, &action->cell, failed));
-  action->mean_flux[c] = action->cell.mean_flux;
+  for (PetscInt s = begin; s < MpmCellEnd(sum, cell); s++)
+    action->mean_flux[s] = MpmModesAt(&sum->space->cells, sum->space->order[s], action->cell.mean_flux);
   for (PetscInt s = begin; action->tangent && s < MpmCellEnd(sum, cell); s++)
     PetscCall(PetscArraycpy(&action->tangent[s * size], action->cell.point[s - begin].tangent.by_input, size));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -278,31 +279,35 @@ MPM_INLINE PetscErrorCode ChangeCell(const PetscInt N, const MpmAction *action, 
 {
   const MpmCellWork *work  = &action->cell;
   const PetscInt    *order = action->sum->space->order;
-  const PetscReal   *share = action->sum->space->cells.share;
-  const PetscInt     begin = work->begin, end = MpmCellEnd(action->sum, &action->sum->space->cells.at[c]);
-  PetscReal          dmean = 0., dmean_flux = 0.;
+  const MpmCells    *cells = &action->sum->space->cells;
+  const PetscInt     begin = work->begin, end = MpmCellEnd(action->sum, &cells->at[c]);
+  PetscReal          dmean[MPM_MAX_MODES] = {0.}, dmean_flux[MPM_MAX_MODES] = {0.};
 
   for (PetscInt s = begin; s < end; s++) {
     const MpmTangent tangent = TangentOf(N, action, transposed, s);
+    PetscReal        dm      = 0.;
 
-    for (PetscInt k = 0; k < N; k++) dmean += tangent.dm[k] * work->point[s - begin].dinput[k];
+    for (PetscInt k = 0; k < N; k++) dm += tangent.dm[k] * work->point[s - begin].dinput[k];
+    MpmModesAdd(cells, order[s], dm, dmean);
   }
   for (PetscInt s = begin; s < end; s++) {
     const MpmTangent    tangent = TangentOf(N, action, transposed, s);
     const MpmCellPoint *at      = &work->point[s - begin];
 
-    at->dinput[N] = dmean;
+    at->dinput[N] = MpmModesAt(cells, order[s], dmean);
     if (action->tangent) ChangeByTangent(N, transposed, &tangent, at->dinput, at->flux);
-    else if (ChangeByKernel(action, action->mean_flux[c] * share[order[s]], at)) {
+    else if (ChangeByKernel(action, action->mean_flux[s] * cells->share[order[s]], at)) {
       (*failed)++;
       for (PetscInt k = 0; k <= N; k++) at->flux[k] = 0.;
     }
-    dmean_flux += at->flux[N];
+    MpmModesAdd(cells, order[s], at->flux[N], dmean_flux);
   }
   for (PetscInt s = begin; s < end; s++) {
     const MpmTangent tangent = TangentOf(N, action, transposed, s);
 
-    for (PetscInt k = 0; k < N; k++) work->point[s - begin].flux[k] += dmean_flux * tangent.dm[k];
+    const PetscReal df = MpmModesAt(cells, order[s], dmean_flux);
+
+    for (PetscInt k = 0; k < N; k++) work->point[s - begin].flux[k] += df * tangent.dm[k];
   }
   return PETSC_SUCCESS;
 }

@@ -4,7 +4,7 @@
 #include "space/element_block.h"
 #include "points/point_tangent.h"
 
-static void CouplingAddToDiagonal(const MpmSum *sum, const MpmCell *cell, const MpmCoupling *coupling,
+static void CouplingAddToDiagonal(const MpmSum *sum, const MpmCell *cell, const MpmModeCoupling mode,
                                   PetscReal blocks[])
 {
   const MpmGroup *box   = &sum->space->groups[cell->box];
@@ -12,8 +12,7 @@ static void CouplingAddToDiagonal(const MpmSum *sum, const MpmCell *cell, const 
   const PetscInt *nodes = &sum->space->group_nodes[box->node_offset];
 
   for (PetscInt i = 0; i < box->node_count; i++) {
-    const PetscReal *a = &coupling->flux_by_mean[i * bs], *b = &coupling->mean_by_u[i * bs],
-                    *f = &coupling->f_by_u[i * bs];
+    const PetscReal *a = &mode.flux_by_mean[i * bs], *b = &mode.mean_by_u[i * bs], *f = &mode.f_by_u[i * bs];
 
     for (PetscInt c = 0; nodes[i] >= 0 && c < bs; c++)
       for (PetscInt d = 0; d < bs; d++) blocks[(nodes[i] * bs + c) * bs + d] += a[c] * b[d] + b[c] * f[d];
@@ -69,7 +68,7 @@ PetscErrorCode MpmPointsDiagonal(const void *ctx, const MpmSum *sum, const Petsc
     }
     if (sum->layout->means) {
       MpmCouplingEnd(sum, &groups, &to.coupling);
-      CouplingAddToDiagonal(sum, &groups, &to.coupling, blocks);
+      for (PetscInt i = 0; i < to.coupling.modes; i++) CouplingAddToDiagonal(sum, &groups, to.coupling.mode[i], blocks);
     }
   }
   PetscCall(MpmCouplingDestroy(&to.coupling));

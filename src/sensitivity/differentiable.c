@@ -152,6 +152,7 @@ static const char *FindPart(const MpmModel model)
          {"motions", (PetscBool)(scene->motions->count > 0)},
          {"surfaces with a shape without domains, in axial symmetry, or while bodies are taken away by a ramp",
           SurfacesAreOpen(model)},
+         {"F-bar with elements of order 2 and more", (PetscBool)(model->disc.layout->means && model->disc.grid->order > 1)},
          {"backgrounds", (PetscBool)(scene->terms->backgrounds != NULL)},
          {"terms from plugins", (PetscBool)(scene->terms->count > 0)},
          {"conditions along a normal, and absorbing ones", AnyInclined(scene->bcs)},

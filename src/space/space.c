@@ -39,6 +39,7 @@ PetscErrorCode MpmSpaceReset(MpmSpace *space)
   PetscCall(PetscFree(space->boxes.faces.matrix));
   PetscCall(PetscFree(space->cells.at));
   PetscCall(PetscFree(space->cells.share));
+  PetscCall(PetscFree(space->cells.mode));
   PetscCall(SpreadDestroy(&space->cells.spread));
   PetscCall(PetscFree(space->group_nodes));
   PetscCall(PetscFree(space->extra.free));

@@ -43,6 +43,8 @@ typedef struct {
   PetscInt   count;
   MpmCell   *at;
   PetscReal *share;  /* of each point in the mean of its cell */
+  PetscInt   modes;  /* polynomials of the mean */
+  PetscReal *mode;   /* their values at each point; NULL: one that is 1 */
   MpmSpread *spread; /* in place of these; or NULL */
 } MpmCells;
 
