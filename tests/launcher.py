@@ -45,9 +45,9 @@ class Launcher:
 
 
 def launcher_of(program, environment):
-    """The launcher of a program; None where there is none, or one that is older."""
+    """The launcher of the program talus; None where there is none, or one that is older, and for other programs."""
     path = Path(program).parent / "tests" / "launcher"
-    if not path.exists() or path.stat().st_mtime < Path(program).stat().st_mtime:
+    if Path(program).name != "talus" or not path.exists() or path.stat().st_mtime < Path(program).stat().st_mtime:
         return None
     known = LAUNCHERS.__dict__.setdefault("known", {})
     if str(path) not in known or not known[str(path)].serves(environment):
