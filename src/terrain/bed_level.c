@@ -42,21 +42,24 @@ static void Range(const PetscReal z[4], PetscReal *lowest, PetscReal *highest)
 }
 
 /*
-  Share of a linear support in one of its four cells that lies below a level; z of the node, beside it on either axis,
-  and across. Continuous in the level: about each of the places the bed rises by its rise in the cell over their number.
+  Share of a linear support in one of its four cells that lies below a level by what the bed rises over half a point's
+  width, parts of the cell; z of the node, beside it on either axis, and across. Continuous in the level: about each of
+  the places the bed rises by its rise in the cell over their number.
 */
-static PetscReal WetCell(const PetscReal z[4], PetscReal level)
+static PetscReal WetCell(const PetscReal z[4], PetscReal level, const PetscReal half[2])
 {
   PetscReal lowest, highest, wet = 0., all = 0., rise;
 
   Range(z, &lowest, &highest);
   rise = (highest - lowest) / (PetscReal)HALF;
-  if (level >= highest + rise) return 1.;
+  if (level >= highest + rise + (half[0] + half[1]) * (highest - lowest)) return 1.;
   if (level <= lowest - rise) return 0.;
   for (PetscInt k = 0; k < HALF * HALF; k++) {
     const PetscReal p      = ((PetscReal)(k % HALF) + 0.5) / (PetscReal)HALF;
     const PetscReal q      = ((PetscReal)(k / HALF) + 0.5) / (PetscReal)HALF;
-    const PetscReal height = (1. - q) * ((1. - p) * z[0] + p * z[1]) + q * ((1. - p) * z[2] + p * z[3]);
+    const PetscReal height = (1. - q) * ((1. - p) * z[0] + p * z[1]) + q * ((1. - p) * z[2] + p * z[3]) +
+                             half[0] * PetscAbsReal((1. - q) * (z[1] - z[0]) + q * (z[3] - z[2])) +
+                             half[1] * PetscAbsReal((1. - p) * (z[2] - z[0]) + p * (z[3] - z[1]));
 
     all += (1. - p) * (1. - q);
     wet += (1. - p) * (1. - q) * PetscClipInterval(0.5 + (level - height) / rise, 0., 1.);
@@ -64,10 +67,12 @@ static PetscReal WetCell(const PetscReal z[4], PetscReal level)
   return wet / all;
 }
 
-/* Share of a node's linear support in the grid that lies below a level, of the bed that is bilinear between nodes. */
-static PetscReal WetPart(const MpmGrid *grid, const PetscInt node[], PetscReal z[3][3], PetscReal level)
+/* Share of a node's linear support in the grid that lies so far below a level, of the bed that is bilinear between
+   nodes. */
+static PetscReal WetPart(const MpmGrid *grid, const PetscInt node[], PetscReal z[3][3], PetscReal level, PetscReal half)
 {
-  PetscReal wet = 0., count = 0.;
+  const PetscReal part[2] = {half / grid->h[0], half / grid->h[1]};
+  PetscReal       wet = 0., count = 0.;
 
   for (PetscInt k = 0; k < 4; k++) {
     const PetscInt  a = 2 * (k % 2), b = 2 * (k / 2);
@@ -75,7 +80,7 @@ static PetscReal WetPart(const MpmGrid *grid, const PetscInt node[], PetscReal z
 
     if (node[0] + a - 1 < 0 || node[0] + a - 1 >= grid->nodes[0]) continue;
     if (node[1] + b - 1 < 0 || node[1] + b - 1 >= grid->nodes[1]) continue;
-    wet += WetCell(cell, level);
+    wet += WetCell(cell, level, part);
     count += 1.;
   }
   return wet / count;
@@ -101,12 +106,31 @@ static PetscReal Blend(PetscReal value, PetscReal from, PetscReal to)
   level: at a shore they may leave as much of it as lies by half a point's width below the level.
 */
 static PetscReal Balance(const MpmGrid *grid, const PetscInt node[], PetscReal z[3][3], PetscReal level,
-                         const PetscReal sums[], const PetscReal slope[])
+                         const PetscReal sums[])
 {
   const PetscReal half = sums[MPM_BED_HALF] / sums[MPM_BED_VOLUME];
-  const PetscReal wet  = WetPart(grid, node, z, level - half * (PetscAbsReal(slope[0]) + PetscAbsReal(slope[1])));
+  const PetscReal wet  = WetPart(grid, node, z, level, half);
 
   return wet > 0. ? Blend(sums[MPM_BED_AREA] / (Area(grid, node) * wet), BALANCE_FROM, BALANCE_WHOLE) : 1.;
+}
+
+/*
+  r_i: 1 where all points that touch the node are there, also where their centres lie half a point's width beyond its
+  neighbours; 0 where any may be missing, for then the sum of area times grad w, which it multiplies, is not 0.
+*/
+static PetscReal Whole(const MpmGrid *grid, PetscReal z[3][3], PetscReal level, PetscReal half)
+{
+  PetscReal highest = z[1][1], rise[2] = {0., 0.}, more;
+
+  for (PetscInt i = 0; i < 3; i++) {
+    for (PetscInt j = 0; j < 3; j++) {
+      highest = PetscMax(highest, z[i][j]);
+      if (i < 2) rise[0] = PetscMax(rise[0], PetscAbsReal(z[i + 1][j] - z[i][j]));
+      if (j < 2) rise[1] = PetscMax(rise[1], PetscAbsReal(z[i][j + 1] - z[i][j]));
+    }
+  }
+  more = 2. * half * (rise[0] / grid->h[0] + rise[1] / grid->h[1]);
+  return more > 0. ? PetscClipInterval((level - highest) / more - 1., 0., 1.) : 1.;
 }
 
 void MpmBedFindMeans(const MpmSum *sum, MpmBedFlow *flow)
@@ -206,8 +230,8 @@ void MpmBedFindLevels(const MpmSum *sum, MpmBedFlow *flow)
     if (even == 0.) continue;
     for (PetscInt a = 0; a < 2; a++) slope[a] = sums[MPM_BED_SLOPE + a] / sums[MPM_BED_MASS];
     Around(sum->grid, flow->bed, node, z);
-    level[MPM_LEVEL_PART] = Balance(sum->grid, node, z, level[MPM_LEVEL], sums, slope) * even;
-    level[MPM_LEVEL_WET] =
-      Blend(WetPart(sum->grid, node, z, level[MPM_LEVEL]), BALANCE_WHOLE, 1.) * MpmBedCosine2(flow->bed, slope);
+    level[MPM_LEVEL_PART] = Balance(sum->grid, node, z, level[MPM_LEVEL], sums) * even;
+    level[MPM_LEVEL_WET]  = Whole(sum->grid, z, level[MPM_LEVEL], sums[MPM_BED_HALF] / sums[MPM_BED_VOLUME]) *
+                           MpmBedCosine2(flow->bed, slope);
   }
 }

@@ -185,6 +185,11 @@ def shore(x, y):
     return 0.08 * (x - 5) ** 2 + 0.02 * (y - 1) ** 2
 
 
+def rough(x, y):
+    """Ground of no shape: heights from node to node as by chance, on a slope that the level cuts."""
+    return 0.3 * math.sin(37.0 * x * x + 11.0 * y) + 0.25 * x
+
+
 def refuse(test, label, words, time="explicit, cfl: 0.4", **options):
     """A scene that is none: one line with these words, status 2, no files."""
     path = test.folder() / "strip.yaml"
@@ -227,6 +232,10 @@ with Test() as test:
               relative=1e-3)
     test.near("bingham", uniform(test, 12, 1.5, "type: bingham, yield_stress: 2e3, viscosity: 150, density: 1800", 120.0), 8.796,
               relative=1e-3)
+    lean = math.radians(12)
+    x, h, v = strip(test, 1.0, (1.5 / math.cos(lean), 0.0), 100.0, "type: bingham, yield_stress: 2e3, viscosity: 150, density: 1800",
+                    "normal", -math.tan(lean), (30.0, 80.0))
+    test.near("bingham.deposit", float(np.median(h[x < -15.0])) * math.cos(lean), 2e3 / (1800 * G * math.sin(lean)), relative=0.03)
     tau, n = 1800 * G * 1.5 * math.sin(math.radians(12)), 0.5
     flows = 1 - 1000 / tau
     speed = n / (n + 1) * (tau / 1500 * flows) ** (1 / n) * 1.5 * flows * (1 - n / (2 * n + 1) * flows)
@@ -256,6 +265,7 @@ with Test() as test:
     for slope in ("vertical", "normal"):
         lake(test, "bumpy", bumpy, slope, 1)
         lake(test, "shore", shore, slope, 3)
+    lake(test, "rough", rough, "normal", 2)
 
     slide(test)
     mixing(test)
