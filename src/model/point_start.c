@@ -209,7 +209,7 @@ static PetscErrorCode BeginStages(MpmModel model)
 {
   PetscFunctionBeginUser;
   MpmSurfacesSetBodies(model);
-  PetscCall(MpmWaterFill(model, 0, PETSC_MAX_INT));
+  PetscCall(MpmWaterFillPressure(model, 0, PETSC_MAX_INT));
   PetscCall(MpmStageBegin(model, 0));
   PetscCall(MpmBodySurfacesCheck(model->scene.surfaces, &model->state.acting.loads[model->scene.loads->count],
                                  model->state.particles));

@@ -401,7 +401,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
     PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),
                                  &model->scene.materials->at[m]));
   if (!MpmSceneIsSymmetric(model)) model->solver.definite.symmetric = PETSC_FALSE;
-  PetscCall(MpmWaterRead(model, options));
+  PetscCall(MpmWaterReadLevel(model, options));
   PetscCall(MpmTracksRead(model, options));
   PetscCall(MpmLinesRead(model, options));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -175,7 +175,7 @@ static PetscErrorCode ChangeBodies(MpmModel model, const MpmStage *stage)
     if (!stage->adds[b]) continue;
     MpmBodyGetIds(model->scene.bodies->at[b], &first, &end);
     if (model->state.stage) PetscCall(MpmGapClose(model, b, stage->name));
-    PetscCall(MpmWaterFill(model, first, end));
+    PetscCall(MpmWaterFillPressure(model, first, end));
   }
   PetscCall(MpmMovingGridFollow(model, &outcome));
   PetscCall(MpmParticlesMigrate(model->state.particles, model->disc.grid));

@@ -171,7 +171,7 @@ static PetscErrorCode SetStill(MpmModel model, const MpmStillWater *still)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmWaterRead(MpmModel model, const MpmOptions *options)
+PetscErrorCode MpmWaterReadLevel(MpmModel model, const MpmOptions *options)
 {
   const MpmLayout *layout = model->disc.layout;
   PetscReal        bounds[2 * MPM_MAX_DIM];
@@ -193,7 +193,7 @@ PetscErrorCode MpmWaterRead(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end)
+PetscErrorCode MpmWaterFillPressure(MpmModel model, PetscInt first, PetscInt end)
 {
   const PetscInt dim = model->disc.dim, rates = model->disc.layout->rate.count;
   const char    *field;

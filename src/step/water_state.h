@@ -7,10 +7,10 @@
 #include "talus/talus.h"
 
 /* Reads the level; materials, loads, grid and layout are known. */
-PetscErrorCode MpmWaterRead(MpmModel model, const MpmOptions *options);
+PetscErrorCode MpmWaterReadLevel(MpmModel model, const MpmOptions *options);
 /* The pressure of the points with ids in [first, end) at the time of the state: water at rest, and the bodies' excess;
    of another field with a rate what the bodies start with. Collective. */
-PetscErrorCode MpmWaterFill(MpmModel model, PetscInt first, PetscInt end);
+PetscErrorCode MpmWaterFillPressure(MpmModel model, PetscInt first, PetscInt end);
 /*
   Prescribed pressures at nodes in a step to `time`: those not below the level, and in a geostatic stage all, as at the
   points. Constraints and space are set up.

@@ -127,6 +127,40 @@ WEDGE = """mpm:
 """
 
 
+TURNED = """mpm:
+  dim: 2
+  physics: depth_averaged
+  terrain: {{file: bed.asc}}
+  grid: {{lower: "-240,-240", upper: "240,240", cells: "48,48"}}
+  materials: mud
+  material_mud: {{type: voellmy, mu: 0.12, xi: 500, density: 1500}}
+  bodies: flow
+  body_flow: {{region: sphere, center: "{x!r},{y!r}", radius: 25, points_per_cell: "3,3", material: mud, depth: 3}}
+  time: {{integrator: explicit, cfl: 0.5, end: 200, rest: 0.001}}
+"""
+
+
+def turned(test):
+    """Mud that runs down a gully onto a fan, with the terrain and the release turned on the grid: its reach and its mean place."""
+    reach, mean = [], []
+    for angle in (0.0, 30.0):
+        folder, (c, s) = test.folder(), (math.cos(math.radians(angle)), math.sin(math.radians(angle)))
+
+        def bed(x, y):
+            a, b = c * x + s * y, -s * x + c * y
+            slope = 0.05 * (150 - a) + 9.0 * float(np.logaddexp(0.0, 1.0 - a / 20))
+            return slope + 0.5 * (b / 20) ** 2 / (1 + (b / 60) ** 2) / (1 + math.exp(min((a - 20) / 25, 500.0)))
+
+        write_map(folder / "bed.asc", bed, (-240.0, -240.0), (96, 96), 5.0)
+        (folder / "turned.yaml").write_text(TURNED.format(x=-150.0 * c, y=-150.0 * s))
+        state = test.run(folder / "turned.yaml").results.state("last")
+        along = 175.0 + state["position"] @ [c, s]  # from the upper end of the release
+        reach.append(float(np.quantile(along, 0.999)))
+        mean.append(float(along @ state["mass"].ravel() / state["mass"].sum()))
+    test.near("turned.reach", reach[1], reach[0], relative=0.01)
+    test.near("turned.mean", mean[1], mean[0], relative=0.01)
+
+
 def wedge(test):
     """Water that runs down a slope of 1 in 3 and out on level ground: its mean velocity and place after 3 s.
 
@@ -270,6 +304,7 @@ with Test() as test:
     slide(test)
     mixing(test)
     wedge(test)
+    turned(test)
 
     points = test.folder() / "points.csv"
     points.write_text("x,y,volume\n-0.5,0.25,0.1\n")
