@@ -36,8 +36,10 @@ def run(test, physics, order, cells, status=0, ranks=1, points="gauss", load="va
     build = build if (build / "bps").exists() else build.parent
     options = {"mpm_plugin": build / "bp.so", "mpm_physics": physics, "mpm_order": order, "mpm_grid_cells": f"{cells},{cells},{cells}",
                "mpm_body_cube_points_per_cell": ",".join(3 * [str(order + 2)]), "bps_points": points, "bps_load": load,
-               "mpm_solver": "pbjacobi", "mpm_jacobian": "matfree", "ksp_type": "cg", "ksp_norm_type": "natural", "ksp_rtol": 1e-10,
-               "pc_type": "none" if poisson else "jacobi", "snes_rtol": 1e-4, "mpm_output_fields": "volume", "mpm_quiet": None}
+               "mpm_jacobian": "matfree", "ksp_type": "cg", "ksp_norm_type": "natural", "ksp_rtol": 1e-10,
+               "snes_rtol": 1e-4, "mpm_output_fields": "volume", "mpm_quiet": None}
+    if "mpm_solver" not in more:
+        options.update(mpm_solver="pbjacobi", pc_type="none" if poisson else "jacobi")
     for edge in EDGES if physics == "poisson_vector" else ():
         options[f"mpm_bc_edge_{edge}_components"] = "x,y,z"
     scene = EXAMPLES / "bps" / ("case.yaml" if poisson else "projection.yaml")
@@ -93,6 +95,17 @@ def clouds(test, orders):
             test.check(f"cloud.{order}.{load}.order", order_of(*errors), lower, upper)
 
 
+def multigrid(test, orders, counts):
+    """Iterations of BP3 by orders of elements and larger cells, at Gauss points and on a cloud, hardly grow with the grid."""
+    for order in orders:
+        for points in ("gauss", "cloud"):
+            runs = [run(test, "poisson", order, cells, points=points, load="flux", mpm_solver="pmg", mpm_jacobian="auto")
+                    for cells in counts]
+            steps = [ended.results.summary["linear_iterations"] for ended in runs]
+            test.check(f"multigrid.{order}.{points}", max(steps), upper=8)
+            test.check(f"multigrid.{order}.{points}.growth", steps[-1] - steps[0], upper=1)
+
+
 with Test() as test:
     for order in (1, 2, 3, 4) if FULL else (1, 2):
         table(test, "projection", order, PROJECTION[order])
@@ -102,8 +115,10 @@ with Test() as test:
             table(test, "poisson_vector", order, POISSON[order])
     table(test, "poisson", 1, POISSON[1], ranks=3)
     table(test, "projection", 1, PROJECTION[1], ranks=3)
+    test.check_example("example", run(test, "poisson", 2, 4, points="cloud", load="flux"), "bps")
     plane(test)
     forms(test)
+    multigrid(test, (2, 3, 4) if FULL else (2,), (4, 8) if FULL else (2, 4))
     clouds(test, (1, 2, 3, 4) if FULL else (1,))
     for name, (options, text) in REFUSED.items():
         refused = run(test, "poisson", 1, 2, status=None, **options)
