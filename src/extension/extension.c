@@ -10,8 +10,9 @@
     u_s = sum_k e_sk u_k ,    e_sk = prod_a L_k(s_a) ,
 
   with L the node itself where the piece has it on axis a, else linear through the two nodes of the piece that are
-  nearest on that axis. Trial and test functions are extended alike: the matrix is E^T K E and the forces E^T r. No
-  energy is added, nothing is remembered from step to step, and linear fields are kept. Extension by the spline's own
+  nearest on that axis; beyond elements of order 2 and more the parabola through vertices and middle. Trial and test
+  functions are extended alike: the matrix is E^T K E and the forces E^T r. No energy is added, nothing is remembered
+  from step to step, and linear fields are kept. Extension by the spline's own
   degree is no more accurate (docs/stabilization.md), and its weights grow as powers of the distance.
 
   Sources: Hoellig, Reif and Wipper (2001), doi:10.1137/S0036142900373208 (extended splines); Badia, Verdugo and

@@ -3,6 +3,7 @@
 */
 #include "grid/grid.h"
 #include "grid/shape.h"
+#include "grid/shape_element.h"
 #include "extension/pieces.h"
 
 PetscReal MpmPiecePlace(MpmKnots knots, PetscInt node)
@@ -10,12 +11,19 @@ PetscReal MpmPiecePlace(MpmKnots knots, PetscInt node)
   return knots.order > 1 ? MpmCellNodes(knots.order)[node % knots.order] : 0.;
 }
 
-/* MpmPieceWeights() in an element beyond which a node stands `away` cells from the lower face: the line through the
-   vertices. */
+/*
+  MpmPieceWeights() in an element beyond which a node stands `away` cells from the lower face: the parabola through the
+  vertices and the middle up to a cell beyond, and the line through the vertices further away.
+*/
 static void ElementWeights(PetscInt order, PetscReal away, PetscReal weight[])
 {
-  weight[0]     = 1. - away;
-  weight[order] = away;
+  const PetscBool near = (PetscBool)(away >= -1. && away <= 2.);
+  const PetscReal bend = near ? 4. * away * (1. - away) : 0.; /* 1 in the middle, 0 at the vertices */
+
+  if (near) MpmElementDerivatives(order, 0, 0., weight); /* values in the middle */
+  for (PetscInt k = 0; k <= order; k++) weight[k] *= bend;
+  weight[0] += 1. - away - 0.5 * bend;
+  weight[order] += away - 0.5 * bend;
 }
 
 void MpmPieceWeights(const MpmPieceLine *line, MpmKnots knots, PetscInt node, PetscReal weight[])

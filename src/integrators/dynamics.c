@@ -218,9 +218,10 @@ static PetscErrorCode SetMass(MpmModel model)
 
   PetscFunctionBeginUser;
   inertia->consistent = (PetscBool)!motion->lumped;
+  inertia->solved     = (PetscBool)(model->disc.grid->order > 1);
   if (!inertia->consistent) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMassMatrixSetUp(&inertia->matrix, model->disc.sum));
-  if (model->disc.grid->order > 1) {
+  if (inertia->solved) {
     PetscCall(SolveMass(model, dynamics->v_old, dynamics->v_start));
     PetscCall(SolveMass(model, dynamics->a_start, dynamics->a_start));
     PetscFunctionReturn(PETSC_SUCCESS);

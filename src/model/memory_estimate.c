@@ -56,7 +56,7 @@ PetscErrorCode MpmMemoryCheck(const MpmOptions *options, const MpmGrid *grid, Pe
     most = PetscMax(most, own);
   }
   for (PetscInt a = 0; a < grid->dim; a++) nodes *= PetscMax((PetscReal)(upper[a] - lower[a]), 1.);
-  memory = 1e-9 * (points * per_point + nodes * BYTES_PER_NODE);
+  memory = 1e-9 * (points * per_point + nodes * PetscPowRealInt((PetscReal)grid->order, grid->dim) * BYTES_PER_NODE);
   MpmCheckInput(memory <= limit,
                 "-mpm_body_%s_points_per_cell and -mpm_grid_cells: about %.2g points in a box of %.2g cells need at "
                 "least %.2g GB, must stay below -mpm_memory_limit, %.3g GB",

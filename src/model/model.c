@@ -243,7 +243,7 @@ PetscErrorCode MpmModelDestroy(MpmModel *handle)
 
 /* ---- set-up ---- */
 
-/* About how many unknowns the material needs: the cells that its volume fills, and as many nodes. */
+/* About how many unknowns the material needs: the cells that its volume fills, with order^dim nodes each. */
 static PetscErrorCode EstimateUnknowns(MpmModel model, PetscReal *unknowns)
 {
   PetscReal volume = 0., *volume0;
@@ -255,6 +255,7 @@ static PetscErrorCode EstimateUnknowns(MpmModel model, PetscReal *unknowns)
   for (PetscInt p = 0; p < count; p++) volume += volume0[p];
   PetscCall(MpmParticlesRestoreField(model->state.particles, &volume0));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &volume, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  for (PetscInt a = 0; a < model->disc.dim; a++) volume *= (PetscReal)model->disc.grid->order;
   for (PetscInt a = 0; a < model->disc.dim; a++) volume /= model->disc.h[a];
   *unknowns = volume * (PetscReal)model->disc.block;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -50,8 +50,6 @@ static PetscErrorCode CheckInertia(const MpmModel model, const char *name)
     MpmCheckInput(!motion->lumped, "-mpm_time_mass lumped: must be consistent with -mpm_shape %s", name);
     MpmCheckInput(motion->transfer.type == MPM_TRANSFER_FLIP,
                   "-mpm_time_transfer apic: must be flip with -mpm_shape %s", name);
-    MpmCheckInput(motion->damping.mass == 0., "-mpm_time_damping_mass %g: must be 0 with -mpm_shape %s",
-                  (double)motion->damping.mass, name);
     MpmCheckInput(time->error == 0., "-mpm_time_error %g: not available with inertia and -mpm_shape %s",
                   (double)time->error, name);
     for (PetscInt b = 0; b < model->scene.bcs->count; b++)

@@ -1,7 +1,8 @@
 /*
   Damping of the material, by the velocity v = factor u + rest of a step:
 
-    Rayleigh          a M v, M the lumped mass, and b times the stress of the law's elastic moduli for the strain rate,
+    Rayleigh          a M v, M the lumped mass (elements of order 2 and more: the consistent one), and b times the
+                      stress of the law's elastic moduli for the strain rate,
                       tau = b (lambda tr(d) I + 2 mu d), d = sym(grad v)
     bulk viscosity    the pressure q = rho l (c_2^2 l D^2 - c_1 c D) where D = tr(d) < 0, l the smallest size of a cell
                       and c the speed of waves, which spreads shocks over a few cells
@@ -89,6 +90,16 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Rayleigh's damping by the consistent mass, where lumped masses may be negative. */
+static PetscErrorCode SpreadMass(MpmDamping *damping, const MpmSpace *space, const MpmMassMatrix *mass)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((space->local * space->dim + 1), &damping->spread));
+  for (PetscInt k = 0; k < space->local * space->dim; k++) damping->spread[k] = damping->mass;
+  damping->mass_matrix = mass;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmDampingSet(MpmDamping *damping, const MpmSpace *space, const MpmInertia *inertia, PetscReal factor,
                              const PetscReal rest[])
 {
@@ -100,8 +111,10 @@ PetscErrorCode MpmDampingSet(MpmDamping *damping, const MpmSpace *space, const M
   damping->factor = factor;
   PetscCall(PetscArraycpy(damping->rest, rest, space->local * dim));
   if (inertia->consistent && Absorbs(damping)) PetscCall(MpmAbsorbingSpread(damping, space, &inertia->matrix));
-  for (PetscInt k = 0; damping->mass > 0. && k < space->local * dim; k++)
-    damping->dashpot[k] += damping->mass * inertia->mass[k / dim];
+  if (damping->mass > 0. && inertia->solved) PetscCall(SpreadMass(damping, space, &inertia->matrix));
+  else
+    for (PetscInt k = 0; damping->mass > 0. && k < space->local * dim; k++)
+      damping->dashpot[k] += damping->mass * inertia->mass[k / dim];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

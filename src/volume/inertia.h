@@ -18,6 +18,7 @@ struct MpmInertia {
   PetscBool  settles;      /* a stage may settle */
   PetscBool  active;       /* the step has inertia */
   PetscBool  consistent;   /* its mass is consistent */
+  PetscBool  solved;       /* nodal velocities come from the consistent mass: lumped masses may be negative */
   PetscReal  factor;       /* 1/s2 */
   PetscInt   local, owned; /* nodes of the step's space */
   PetscReal *mass;         /* kg, lumped, of all local nodes */
