@@ -85,8 +85,8 @@ static PetscErrorCode ReadDivide(MpmModel model, const MpmOptions *block)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Share of whole cells of elements of order p >= 2: the p + 1 points an axis that fix a polynomial lie in the whole
-   cell. It avoids the shares that regular points fill. */
+/* Share for elements of order p >= 2: the p + 1 points an axis that fix a polynomial lie in the whole cell. Regular
+   points fill other shares, up to ten an axis. */
 #define FILLED_WHOLE 0.91
 
 PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
