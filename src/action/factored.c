@@ -197,7 +197,7 @@ PetscErrorCode MpmFactoredCreate(const MpmSum *sum, PetscBool half, MpmFactored 
 
     most = PetscMax(most, count[0] * count[1] * count[2]);
   }
-  PetscCall(AllocateLanes(made, (size_t)(most * (bs + bs * bs)), &made->work));
+  PetscCall(AllocateLanes(made, (size_t)(most * (bs + bs * bs) + MPM_LANES), &made->work));
   made->bytes += (size_t)(made->batch_count * MPM_LANES + space->point_count) * sizeof(PetscInt);
   *factored = made;
   PetscFunctionReturn(PETSC_SUCCESS);

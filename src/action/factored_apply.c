@@ -7,18 +7,18 @@
 */
 #include "action/factored_impl.h"
 
-/* Loop bounds known at compile time: the dimension, the unknowns of a node and their inputs, and the nodes on the first
-   axis where they are not 0. */
+/* Constants of the loops: the dimension, the unknowns of a node and their inputs, and unless 0 the nodes on the first
+   axis, on all of them with `cube`. */
 typedef struct {
   PetscInt  dim, row;
   PetscBool shared;
   PetscInt  block;
-  PetscBool gradient;
+  PetscBool gradient, cube;
 } Known;
 
-MPM_INLINE PetscInt RowOf(const Known known, const MpmStack *stack)
+MPM_INLINE PetscInt NodesAlong(const Known known, const MpmStack *stack, PetscInt axis)
 {
-  return known.row ? known.row : stack->count[0];
+  return known.row && (axis == 0 || known.cube) ? known.row : stack->count[axis];
 }
 
 MPM_INLINE PetscInt InputsOf(const Known known)
@@ -36,8 +36,8 @@ MPM_INLINE Lane ValueAt(const Known known, const Lane *values, PetscInt m)
 MPM_INLINE void TakeInputs(const Known known, const MpmStack *stack, const Lane *restrict w,
                            const Lane *restrict values, Lane  input[])
 {
-  const PetscInt dim = known.dim, bs = known.block, nx = RowOf(known, stack), ny = stack->count[1],
-                 nz = stack->count[2];
+  const PetscInt dim = known.dim, bs = known.block, nx = NodesAlong(known, stack, 0), ny = NodesAlong(known, stack, 1),
+                 nz = NodesAlong(known, stack, 2);
   const Lane *gx = w + nx, *wy = gx + nx, *gy = wy + ny, *wz = gy + ny, *gz = wz + nz;
   PetscInt    m = 0;
 
@@ -84,8 +84,8 @@ MPM_INLINE void TakeInputs(const Known known, const MpmStack *stack, const Lane 
 MPM_INLINE void AddForce(const Known known, const MpmStack *stack, const Lane *restrict w, const Lane flux[],
                          Lane *restrict force)
 {
-  const PetscInt dim = known.dim, bs = known.block, nx = RowOf(known, stack), ny = stack->count[1],
-                 nz = stack->count[2];
+  const PetscInt dim = known.dim, bs = known.block, nx = NodesAlong(known, stack, 0), ny = NodesAlong(known, stack, 1),
+                 nz = NodesAlong(known, stack, 2);
   const Lane *gx = w + nx, *wy = gx + nx, *gy = wy + ny, *wz = gy + ny, *gz = wz + nz;
 
   for (PetscInt k = 0; k < nz; k++) {
@@ -175,19 +175,60 @@ MPM_INLINE void GatherLanes(PetscInt bs, PetscInt n, const MpmFactored *factored
   }
 }
 
-/* Numbers at the nodes to those of all, `block` a node: the sum over the lanes of a shared box, and each lane's own. */
+/* Sums over the lanes of MPM_LANES vectors, one in each lane. */
+#if defined(__clang__) || __GNUC__ >= 12
+#define MIX __builtin_shufflevector
+#if MPM_LANES == 8
+MPM_INLINE Lane SumPairs(const Lane v[])
+{
+  return MIX(v[0], v[1], 0, 8, 2, 10, 4, 12, 6, 14) + MIX(v[0], v[1], 1, 9, 3, 11, 5, 13, 7, 15);
+}
+MPM_INLINE Lane SumFours(const Lane v[])
+{
+  const Lane a = SumPairs(v), b = SumPairs(v + 2);
+
+  return MIX(a, b, 0, 1, 8, 9, 4, 5, 12, 13) + MIX(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+MPM_INLINE Lane SumLanes(const Lane v[])
+{
+  const Lane a = SumFours(v), b = SumFours(v + 4);
+
+  return MIX(a, b, 0, 1, 2, 3, 8, 9, 10, 11) + MIX(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
+}
+#else
+MPM_INLINE Lane SumPairs(const Lane v[])
+{
+  return MIX(v[0], v[1], 0, 4, 2, 6) + MIX(v[0], v[1], 1, 5, 3, 7);
+}
+MPM_INLINE Lane SumLanes(const Lane v[])
+{
+  const Lane a = SumPairs(v), b = SumPairs(v + 2);
+
+  return MIX(a, b, 0, 1, 4, 5) + MIX(a, b, 2, 3, 6, 7);
+}
+#endif
+#else
+MPM_INLINE Lane SumLanes(const Lane v[])
+{
+  Lane sums = {0.};
+
+  for (PetscInt k = 0; k < MPM_LANES; k++)
+    for (PetscInt lane = 0; lane < MPM_LANES; lane++) sums[k] += v[k][lane];
+  return sums;
+}
+#endif
+
+/*
+  Numbers at the nodes to those of all, `block` a node: the sum over the lanes of a shared box, and each lane's own.
+  `from` has room for MPM_LANES numbers more.
+*/
 MPM_INLINE void ScatterShared(PetscInt block, PetscInt n, const PetscInt nodes[], const Lane from[], PetscReal y[])
 {
-  for (PetscInt i = 0; i < n; i++) {
-    for (PetscInt c = 0; c < block; c++, from++) {
-      const Lane f = *from;
-      PetscReal  s = (f[0] + f[1]) + (f[2] + f[3]);
+  for (PetscInt m = 0; m < n * block; m += MPM_LANES) {
+    const Lane     sums = SumLanes(&from[m]);
+    const PetscInt end  = PetscMin(m + MPM_LANES, n * block);
 
-#if MPM_LANES == 8
-      s += (f[4] + f[5]) + (f[6] + f[7]);
-#endif
-      y[nodes[i] * block + c] += s;
-    }
+    for (PetscInt q = m; q < end; q++) y[nodes[q / block] * block + q % block] += sums[q - m];
   }
 }
 MPM_INLINE void ScatterLanes(PetscInt block, PetscInt n, const MpmFactored *factored, PetscInt batch, const Lane from[],
@@ -202,12 +243,18 @@ MPM_INLINE void ScatterLanes(PetscInt block, PetscInt n, const MpmFactored *fact
   }
 }
 
+/* Brings the next batch's vectors into the cache, since the processor's own prefetching ends at pages. */
+MPM_INLINE void Prefetch(PetscInt count, const Lane *vectors)
+{
+  for (PetscInt k = 0; k < count; k++) __builtin_prefetch(&vectors[k]);
+}
+
 /* The action of one stack. */
 MPM_INLINE void ApplyStack(const Known known, const MpmFactored *factored, const MpmStack *stack, PetscBool transposed,
                            const PetscReal x[], PetscReal y[])
 {
-  const PetscInt dim = known.dim, bs = known.block, nx = RowOf(known, stack), ny = stack->count[1],
-                 nz = stack->count[2];
+  const PetscInt dim = known.dim, bs = known.block, nx = NodesAlong(known, stack, 0), ny = NodesAlong(known, stack, 1),
+                 nz = NodesAlong(known, stack, 2);
   const PetscInt  n = nx * ny * nz, lines = 2 * (dim == MPM_MAX_DIM ? nx + ny + nz : nx + ny);
   const PetscInt *nodes  = NodesOf(factored, stack->begin * MPM_LANES);
   const Lane     *w      = &factored->lines[stack->lines];
@@ -221,6 +268,8 @@ MPM_INLINE void ApplyStack(const Known known, const MpmFactored *factored, const
     Lane input[MPM_MAX_DIM * MPM_MAX_DIM], flux[MPM_MAX_DIM * MPM_MAX_DIM];
 
     if (!known.shared) GatherLanes(bs, n, factored, batch, x, values);
+    Prefetch(factored->size, &factored->tangent[(batch + 1) * factored->size]);
+    Prefetch(lines, w + lines);
     TakeInputs(known, stack, w, values, input);
     TakeFlux(known, factored, transposed, batch, input, flux);
     AddForce(known, stack, w, flux, force);
@@ -230,7 +279,7 @@ MPM_INLINE void ApplyStack(const Known known, const MpmFactored *factored, const
 }
 
 /* Calls f(known, ...) with constants for the usual cases. BLOCK: unknowns a node; GRADIENT: inputs are gradients. */
-#define KNOWN(DIM, ROW, SHARED, BLOCK, GRADIENT) ((Known){DIM, ROW, SHARED, BLOCK, GRADIENT})
+#define KNOWN(DIM, ROW, SHARED, BLOCK, GRADIENT) ((Known){DIM, ROW, SHARED, BLOCK, GRADIENT, PETSC_FALSE})
 #ifdef MPM_LOOPS_GENERAL
 #define ROWS(f, DIM, SHARED, BLOCK, GRADIENT, ...)
 #else
@@ -262,6 +311,21 @@ MPM_INLINE void ApplyStack(const Known known, const MpmFactored *factored, const
     BY_ROW(f, DIM, PETSC_FALSE, BLOCK, GRADIENT, stack, __VA_ARGS__) \
   }
 
+#ifdef MPM_LOOPS_GENERAL
+#define CUBES(SIZE)
+#else
+#define CUBE(SIZE, SHARED) \
+  ApplyStack(((Known){MPM_MAX_DIM, SIZE, SHARED, MPM_MAX_DIM, PETSC_TRUE, PETSC_TRUE}), factored, stack, transposed, \
+             x, y)
+#define CUBES(SIZE) \
+  case SIZE: \
+    CUBE(SIZE, PETSC_TRUE); \
+    break; \
+  case -(SIZE): \
+    CUBE(SIZE, PETSC_FALSE); \
+    break;
+#endif
+
 /* The action of a stack in DIM dimensions, by the kind of inputs. */
 #define APPLY_STACK(DIM, factored, ...) \
   if ((factored)->block > 1 && (factored)->gradient) { \
@@ -274,11 +338,31 @@ MPM_INLINE void ApplyStack(const Known known, const MpmFactored *factored, const
     BY_BOX(ApplyStack, DIM, 1, PETSC_FALSE, __VA_ARGS__) \
   }
 
+/* The action of a stack of boxes of equal sides with gradients in 3D, by constants alone. PETSC_FALSE for others. */
+static PetscBool ApplyCubes(const MpmFactored *factored, const MpmStack *stack, PetscBool transposed,
+                            const PetscReal x[], PetscReal y[])
+{
+  const PetscInt n = stack->count[0];
+
+  if (!factored->gradient || factored->block != MPM_MAX_DIM || stack->count[1] != n || stack->count[2] != n)
+    return PETSC_FALSE;
+  switch (stack->shared ? n : -n) {
+    CUBES(2)
+    CUBES(3)
+    CUBES(4)
+    CUBES(5)
+  default:
+    return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
 void MpmFactoredApply(const MpmFactored *factored, PetscBool transposed, const PetscReal x[], PetscReal y[])
 {
   for (PetscInt k = 0; k < factored->stack_count; k++) {
     const MpmStack *stack = &factored->stack[k];
 
+    if (ApplyCubes(factored, stack, transposed, x, y)) continue;
     if (factored->sum->space->dim == MPM_MAX_DIM) {
       APPLY_STACK(MPM_MAX_DIM, factored, stack, factored, stack, transposed, x, y)
     } else {
@@ -344,7 +428,7 @@ MPM_INLINE void DiagonalStack(const Known known, PetscBool half, const MpmFactor
 void MpmFactoredDiagonal(const MpmFactored *factored, PetscReal blocks[])
 {
   const PetscInt dim = factored->sum->space->dim;
-  const Known    any = {dim, 0, PETSC_FALSE, factored->block, factored->gradient};
+  const Known    any = KNOWN(dim, 0, PETSC_FALSE, factored->block, factored->gradient);
 
   for (PetscInt k = 0; k < factored->stack_count; k++) {
     const MpmStack *stack = &factored->stack[k];
