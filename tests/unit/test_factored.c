@@ -1,6 +1,6 @@
 /*
-  The action of points' tangents by sum factorisation against sums over basis functions: products, transposed products and
-  diagonal blocks of tangents of random numbers, on points at random places.
+  The action of points' tangents by sum factorisation against sums over basis functions: products, transposed products
+  and diagonal blocks of tangents of random numbers, on points at random places.
 
   Ranks: 1 3
 */
