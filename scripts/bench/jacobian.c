@@ -53,8 +53,11 @@ typedef struct {
   PetscBool run, wanted[PETSC_STATIC_ARRAY_LENGTH(forms)];
 } Bench;
 
+/* Options that a scene has not are cleared once they are read: the model refuses them. */
 static PetscErrorCode ReadOptions(Bench *bench)
 {
+  static const char *const own[] = {"-bench_rounds", "-bench_steps", "-bench_limit", "-bench_run", "-bench_forms"};
+
   char     *names[16];
   PetscInt  count = PETSC_STATIC_ARRAY_LENGTH(names);
   PetscBool given;
@@ -80,6 +83,7 @@ static PetscErrorCode ReadOptions(Bench *bench)
     PetscCall(PetscFree(names[i]));
   }
   bench->wanted[FORM_LOCAL] = PETSC_TRUE;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(own); k++) PetscCall(PetscOptionsClearValue(NULL, own[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
