@@ -201,7 +201,7 @@ PetscErrorCode MpmLayoutCreate(const MpmPhysics *physics, PetscInt kinematics, M
         layout->input.basis[layout->input.count++]   = shape * MPM_BASES + basis;
       }
     }
-    if (!f && layout->kinematics == MPM_AXISYMMETRY) {
+    if (!f && layout->motion && layout->kinematics == MPM_AXISYMMETRY) {
       layout->input.component[layout->input.count] = 0;
       layout->input.basis[layout->input.count++]   = MPM_HOOP_BASIS;
     }

@@ -25,7 +25,8 @@ static const char *FindPart(const MpmModel model)
   if (scene->motions->count) return "motions";
   if (scene->boundaries->count) return "boundaries";
   if (scene->pairs->count) return "contacts";
-  if (scene->terms->count) return scene->terms->backgrounds ? "backgrounds" : "terms";
+  if (scene->terms->backgrounds) return "backgrounds";
+  if (scene->terms->count) return "terms";
   if (model->disc.sections) return "sections";
   if (scene->follow.what != MPM_FOLLOW_NOTHING) return "grid_follow";
   if (model->disc.matrix.ghost > 0.) return "stabilization_ghost";

@@ -86,7 +86,8 @@ static PetscErrorCode ReadDivide(MpmModel model, const MpmOptions *block)
 }
 
 /* Share for elements of order p >= 2: the p + 1 points an axis that fix a polynomial lie in the whole cell. Regular
-   points fill other shares, up to ten an axis. */
+   points fill other shares, up to ten an axis. Not of a physics without displacement, whose
+   points are given anywhere in whole cells: near the grid's edge they fill less. */
 #define FILLED_WHOLE 0.91
 
 PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
@@ -112,7 +113,8 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
   PetscCall(PetscFree(ghost));
   model->scene.stabilization.filled = 0.;
   if (model->scene.stabilization.ghost_auto)
-    model->scene.stabilization.filled = MpmShapeOrder(model->scene.shape.type) > 1 ? FILLED_WHOLE : MPM_FILLED;
+    model->scene.stabilization.filled =
+      MpmShapeOrder(model->scene.shape.type) > 1 && model->disc.layout->motion ? FILLED_WHOLE : MPM_FILLED;
   PetscCall(MpmOptionsReal(
     &block, "filled", "-",
     "aggregation of small-cut nodes: those of cells (splines of even degree: cells around nodes) that the material "

@@ -26,6 +26,8 @@ REFUSED = {"loads": ({"mpm_loads": "g", "mpm_load_g_type": "gravity", "mpm_load_
            "ghost": ({"mpm_stabilization_ghost": 0.1}, "-mpm_stabilization_ghost: not available for physics poisson"),
            "normal": ({"mpm_bcs": "edge_west,a", "mpm_bc_a_region": "box", "mpm_bc_a_lower": "0,0,0", "mpm_bc_a_upper": "0,1,1",
                        "mpm_bc_a_normal": "1,0,0"}, "-mpm_bc_a_normal: the physics has no displacement"),
+           "backgrounds": ({"mpm_backgrounds": "d", "mpm_background_d_region": "box", "mpm_background_d_lower": "0,0,0",
+                            "mpm_background_d_upper": "1,1,1", "mpm_background_d_E": 1, "mpm_background_d_nu": 0}, "-mpm_backgrounds: not available"),
            "inertia": ({"mpm_time_integrator": "newmark"}, "has no inertia"),
            "component": ({"mpm_bc_edge_west_components": "x"}, "-mpm_bc_edge_west_components x: this scene has no such unknown")}
 
