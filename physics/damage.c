@@ -19,9 +19,11 @@
 
   The energy of a law with history is its elastic one.
 
-  Damage does not heal, and is at most 1. With `irreversible: bounds` d at a point stays at least d_n there: a spring of
-  stiffness G_c/(c_w l)/tolerance, which leaves gaps of the order of the tolerance. With `history` psi+ in
-  the second equation is the largest that the point has had; d is then bounded by 0 and 1 alone.
+  Damage does not heal, and is at most 1. With `irreversible: bounds` d of each node stays at least what it is at the
+  step's start (volume/irreversible.c). With `history` psi+ in the second equation is the largest that the point has
+  had; d is then bounded by 0 and 1 alone. Each bound is a spring of stiffness G_c/(c_w l)/tolerance, which leaves gaps
+  of the order of the tolerance. Those at the points: d is at most 1, and with `bounds` at least `initial_damage`, for a
+  crack that is there from the start has edges that nodes need not lie on.
 
   Sources: Bourdin, Francfort and Marigo (2000), doi:10.1016/S0022-5096(99)00028-9 (the energy); Pham and others (2011),
   doi:10.1177/1056789510386852 (AT1, AT2); Amor, Marigo and Maurini (2009), doi:10.1016/j.jmps.2009.04.011 (volumetric
@@ -38,8 +40,8 @@ enum { VOLUMETRIC, NONE, SPECTRAL };
 enum { MONOLITHIC, STAGGERED };
 enum { BOUNDS, HISTORY };
 
-/* States: the largest psi+ so far and what damage has dissipated, J/m3; the largest d so far. */
-enum { STATE_HISTORY, STATE_FRACTURE, STATE_MOST };
+/* States: the largest psi+ so far and what damage has dissipated, J/m3; d from the start. */
+enum { STATE_HISTORY, STATE_FRACTURE, STATE_START };
 
 /* Inputs */
 enum { GRADIENTS = MPM_TENSOR, D = GRADIENTS, GRAD_D, INPUTS = GRAD_D + MPM_DIM };
@@ -139,12 +141,14 @@ MPM_FN double Density(const double *physics)
   return physics[TOUGHNESS] / physics[LENGTH] * ((int)physics[REGULARISATION] == AT1 ? 3. / 8. : 0.5);
 }
 
-/* d is at least this much, and at most 1: above, the stiffness would come back. */
+/* d is at least this much, and at most 1: above, the stiffness would come back. Points of the first step have
+   dissipated nothing yet. */
 MPM_FN double Least(const MpmKernelPoint *point)
 {
   if ((int)point->physics_parameter[IRREVERSIBLE] == HISTORY) return 0.;
-  return fmin(fmax(point->own_n[STATE_MOST], point->value_n[0]), 1.);
+  return point->own_n[STATE_FRACTURE] > 0. ? point->own_n[STATE_START] : fmin(fmax(point->value_n[0], 0.), 1.);
 }
+
 /* Where d is outside of these, the bound and the stiffness of the spring to it; 0 elsewhere. */
 MPM_FN double Held(const MpmKernelPoint *point, double d, double *bound)
 {
@@ -183,7 +187,7 @@ MPM_FN void DamageFlux(const MpmKernelPoint *point, const Scalar input[], Scalar
   if (point->end.F) {
     const double value = ScalarValue(d);
 
-    point->end.own[STATE_MOST]     = fmax(Least(point), fmin(value, 1.));
+    point->end.own[STATE_START]    = Least(point);
     point->end.own[STATE_FRACTURE] = density * (first ? value : value * value) + 0.5 * length * square;
   }
 }
@@ -293,7 +297,7 @@ static const MpmCommonParameter common[] = {
 /* clang-format on */
 static const MpmStateVariable states[] = {{"history", MPM_STATE_SCALAR, 0., "J/m3"},
                                           {"fracture_energy", MPM_STATE_SCALAR, 0., "J/m3"},
-                                          {"damage_most", MPM_STATE_SCALAR, 0., "-"}};
+                                          {"damage_start", MPM_STATE_SCALAR, 0., "-"}};
 
 static const char *DamagePrepare(const MpmPhysicsMaterial *material, double gravity, double *value)
 {

@@ -15,6 +15,7 @@
 #include "bc/bc.h"
 #include "bc/body_motion.h"
 #include "volume/added_term.h"
+#include "volume/irreversible.h"
 #include "rigid/rigid.h"
 #include "contact/rigid_body.h"
 #include "pairs/body_contact.h"
@@ -396,6 +397,7 @@ static PetscErrorCode ReadConditions(MpmModel model, const MpmOptions *options)
   PetscCall(ReadLoads(model, options));
   PetscCall(MpmSurfacesRead(model, options));
   PetscCall(MpmAddedTermsRead(options, model->disc.grid, model->scene.terms));
+  PetscCall(MpmHeldFieldCreate(&model->scene.physics, model->disc.dim, &model->scene.terms->held));
   if (!MpmAddedTermsAreSymmetric(model->scene.terms)) model->solver.definite.symmetric = PETSC_FALSE;
   for (PetscInt m = 0; m < model->scene.materials->count; m++)
     PetscCall(MpmMaterialPrepare(&model->scene.physics, model->disc.dim, Gravity(model->scene.loads, model->disc.dim),

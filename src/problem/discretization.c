@@ -16,6 +16,7 @@
 #include "volume/background.h"
 #include "volume/damping.h"
 #include "volume/inertia.h"
+#include "volume/irreversible.h"
 #include "volume/volume.h"
 #include "pairs/body_contact.h"
 #include "contact/contact.h"
@@ -104,6 +105,7 @@ PetscErrorCode MpmDiscretizationAddSurfaces(MpmDiscretization *disc, const MpmBo
 PetscErrorCode MpmDiscretizationAddTerms(MpmDiscretization *disc, MpmAddedTerms *added)
 {
   PetscFunctionBeginUser;
+  if (added->held) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermIrreversible, added->held));
   if (added->backgrounds) PetscCall(MpmTermsAdd(&disc->terms, &MpmTermBackground, added->backgrounds));
   for (PetscInt k = 0; k < added->count; k++) PetscCall(MpmTermsAdd(&disc->terms, &added->at[k].term, &added->at[k]));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -16,6 +16,7 @@
 #include "assembly/sparsity.h"
 #include "volume/added_term.h"
 #include "volume/background.h"
+#include "volume/irreversible.h"
 
 /* ---- sums over the elements ---- */
 
@@ -274,6 +275,7 @@ PetscErrorCode MpmAddedTermsDestroy(MpmAddedTerms *added)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmBackgroundsDestroy(&added->backgrounds));
+  PetscCall(MpmHeldFieldDestroy(&added->held));
   for (PetscInt k = 0; added->at && k < added->count; k++) {
     MpmAddedTerm *one = &added->at[k];
 

@@ -25,6 +25,7 @@ struct MpmAddedTerms {
   char                 **names;
   MpmAddedTerm          *at;
   struct MpmBackgrounds *backgrounds; /* of the program's own; NULL: none */
+  struct MpmHeldField   *held;        /* bounds of a field with a rate; NULL: none */
 };
 
 /* Reads -mpm_terms and its blocks. Collective. */

@@ -165,5 +165,8 @@ with Test() as test:
     for law, cells, energy in (("at2", 4, 1.127601), ("at2", 8, 1.063151), ("at1", 4, 1.095703), ("at1", 8, 1.047363)):
         test.near(f"broken_cell.{law}.{cells}", broken_cell(test, cells, law), energy, relative=2e-3)
     test.check_example("broken_bar", test.run(example("broken_bar"), mpm_quiet=None), "broken_bar")
+    slot = test.run(example("slot_crack"), mpm_grid_cells="32,34", mpm_grid_lower="0,-0.03125",
+                    mpm_grid_upper="1,1.03125", mpm_time_end=0.4, mpm_output_every=0).results.history
+    test.check("slot.iterations", max(slot["newton"][1:]), None, 6)  # bounds of unknowns: 3; at points 50 to 150
     if FULL:  # minutes
         test.check_example("slot_crack", test.run(example("slot_crack"), mpm_quiet=None), "slot_crack")
