@@ -186,6 +186,7 @@ typedef struct MpmSummary {
   struct {
     PetscInt   steps, step_cuts;
     PetscInt64 newton_iterations, linear_iterations;
+    PetscInt   levels; /* of multigrid on lattices, 0: another solver */
   } effort;
   PetscReal time_total, time[MPM_TIME_COUNT];
   PetscReal imbalance;        /* points on the fullest rank over their mean, the most of any step */
@@ -217,7 +218,7 @@ PetscReal MpmProcessMemory(void);
 PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary);
 /* Rank 0 writes; keys: status, version, title, ranks, dim, physics, shape, jacobian, solver, points, cells,
    active_dofs_max, steps, step_cuts, newton_iterations, linear_iterations, imbalance, rebalances, time_total_s,
-   time {setup, ...}, memory_max_bytes; where strength is reduced factor_of_safety, or null; where a stage relaxes
+   time {setup, ...}, memory_max_bytes; with multigrid on lattices iterations_multigrid and levels; where strength is reduced factor_of_safety, or null; where a stage relaxes
    criteria_first and criteria_since, or null. */
 PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *version, const MpmSummary *summary);
 

@@ -114,6 +114,10 @@ static PetscErrorCode AppendSummary(MpmTextFile *text, PetscMPIInt ranks, const 
   PetscCall(AppendCount(text, "step_cuts", summary->effort.step_cuts));
   PetscCall(AppendCount(text, "newton_iterations", summary->effort.newton_iterations));
   PetscCall(AppendCount(text, "linear_iterations", summary->effort.linear_iterations));
+  if (summary->effort.levels) {
+    PetscCall(AppendCount(text, "iterations_multigrid", summary->effort.linear_iterations));
+    PetscCall(AppendCount(text, "levels", summary->effort.levels));
+  }
   PetscCall(MpmTextFileAppend(text, "  \"changes\": {"));
   for (PetscInt k = 0, any = 0; k < MPM_CHANGE_COUNT; k++) {
     if (!summary->changes[k]) continue;

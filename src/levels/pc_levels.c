@@ -330,3 +330,17 @@ PetscErrorCode MpmLevelsAttach(PC pc, const MpmLevelsChoice *choice, const MpmLe
   levels->step   = *step;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscErrorCode MpmLevelsCount(PC pc, PetscInt *count)
+{
+  Levels   *levels;
+  PetscBool is;
+
+  PetscFunctionBeginUser;
+  *count = 0;
+  PetscCall(MpmLevelsIs(pc, &is));
+  if (!is) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PCShellGetContext(pc, &levels));
+  if (levels->mg) *count = levels->count + 1;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -34,5 +34,7 @@ typedef struct {
 /* Makes the type known to PETSc; true for a preconditioner of that type. */
 PetscErrorCode MpmLevelsRegister(void);
 PetscErrorCode MpmLevelsIs(PC pc, PetscBool *is);
+/* Levels, the finest one included; 0 for a preconditioner of another type, or without levels yet. */
+PetscErrorCode MpmLevelsCount(PC pc, PetscInt *count);
 /* Data of the levels, borrowed, where the preconditioner is of that type. */
 PetscErrorCode MpmLevelsAttach(PC pc, const MpmLevelsChoice *choice, const MpmLevelsStep *step);

@@ -156,6 +156,7 @@ PetscErrorCode MpmModelWriteSummary(MpmModel model, const char *status)
   PetscLogDouble now;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmMultigridLevels(&model->solver, &summary.effort.levels));
   if (!(summary.factor_of_safety > 0.) && model->caller.outcome.code && MpmReductionSeeks(model))
     summary.factor_of_safety = model->state.safety.reduced; /* a lower bound */
   PetscCall(PetscArraycpy(summary.changes, model->monitor.changes, MPM_CHANGE_COUNT));

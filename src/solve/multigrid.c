@@ -93,7 +93,7 @@ PetscErrorCode MpmMultigridSetFromOptions(MpmSolver *solver, const MpmOptions *o
   MpmMultigrid *multigrid = &solver->multigrid;
 
   PetscFunctionBeginUser;
-  multigrid->smooths        = 3;
+  multigrid->smooths        = 0;
   multigrid->levels.coarsen = 2;
   PetscCall(ReadLevels(multigrid, options));
   PetscCall(ReadOrders(solver, options));
@@ -103,41 +103,53 @@ PetscErrorCode MpmMultigridSetFromOptions(MpmSolver *solver, const MpmOptions *o
                   3, MPM_OPTIONAL, &multigrid->levels.coarsen, NULL));
   PetscCall(MpmOptionsWord(
     options, "multigrid_smoother",
-    "preconditioner of Chebyshev's method on the levels; auto: jacobi, or ilu where the Jacobian is not symmetric",
+    "preconditioner of Chebyshev's method on the levels (ilu: ICC(0) where the Jacobian is symmetric); auto: ilu, or "
+    "jacobi where the finest level has no matrix",
     smoothers, MPM_OPTIONAL, &multigrid->smoother, NULL));
-  PetscCall(MpmOptionsInt(options, "multigrid_smooths", "its steps before and after the coarser level", 1, 20,
+  PetscCall(MpmOptionsInt(options, "multigrid_smooths",
+                          "its steps before and after the coarser level (by default 1 with ICC(0), otherwise 3)", 1, 20,
                           MPM_OPTIONAL, &multigrid->smooths, NULL));
   PetscCall(MpmOptionsWord(options, "multigrid_coarse", "solver of the coarsest level", coarsest, MPM_OPTIONAL,
                            &multigrid->coarse, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where the Jacobian is not symmetric, `auto` leaves the choice to that of other multigrids (presets.c). */
+/*
+  Chebyshev's method with a smoother on all levels. Incomplete factors reach modes of little stiffness along stiff
+  neighbours: cut cells of splines and of elements, soft holes (docs/solver.md has the table). With ICC(0) one step over
+  the upper part of the eigenvalues costs least. Where the Jacobian is not symmetric `auto` leaves the choice to that of
+  other multigrids (presets.c).
+*/
 static PetscErrorCode ApplySmoother(const MpmSolver *solver)
 {
-  const char *name = smoothers[solver->multigrid.smoother];
+  const PetscBool symmetric = solver->definite.symmetric;
+  const PetscBool shell     = (PetscBool)(solver->jacobian.form == MPM_JACOBIAN_MATFREE);
+  const char     *name      = smoothers[solver->multigrid.smoother];
+  PetscInt        steps     = solver->multigrid.smooths;
+  char            smooths[16];
 
   PetscFunctionBeginUser;
+  if (!strcmp(name, "auto") && (symmetric || shell)) name = shell ? "jacobi" : "ilu";
   if (!strcmp(name, "ilu")) {
     PetscCall(MpmDatabaseDefault("-mg_levels_pc_type", PCBJACOBI));
-    PetscCall(MpmDatabaseDefault("-mg_levels_sub_pc_type", PCILU));
-    PetscCall(MpmDatabaseDefault("-mg_levels_sub_pc_factor_shift_type", "inblocks"));
+    PetscCall(MpmDatabaseDefault("-mg_levels_sub_pc_type", symmetric ? PCICC : PCILU));
+    if (symmetric) PetscCall(MpmDatabaseDefault("-mg_levels_ksp_chebyshev_esteig", "0,0.3,0,1.1"));
+    else PetscCall(MpmDatabaseDefault("-mg_levels_sub_pc_factor_shift_type", "inblocks"));
+    if (symmetric && !steps) steps = 1;
   } else if (strcmp(name, "auto")) PetscCall(MpmDatabaseDefault("-mg_levels_pc_type", name));
-  else if (solver->definite.symmetric) PetscCall(MpmDatabaseDefault("-mg_levels_pc_type", PCJACOBI));
+  PetscCall(PetscSNPrintf(smooths, sizeof(smooths), "%" PetscInt_FMT, steps ? steps : 3));
+  PetscCall(MpmDatabaseDefault("-mg_levels_ksp_max_it", smooths));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmMultigridApply(MpmSolver *solver)
 {
   const MpmMultigrid *multigrid = &solver->multigrid;
-  char                smooths[16];
 
   PetscFunctionBeginUser;
   MpmCheckInput(!strcmp(solver->jacobian.mat_type, MATAIJ),
                 "-mpm_mat_type %s: not available with -mpm_solver %s, must be " MATAIJ, solver->jacobian.mat_type,
                 solver->preset.name);
-  PetscCall(PetscSNPrintf(smooths, sizeof(smooths), "%" PetscInt_FMT, multigrid->smooths));
-  PetscCall(MpmDatabaseDefault("-mg_levels_ksp_max_it", smooths));
   PetscCall(ApplySmoother(solver));
   if (!strcmp(coarsest[multigrid->coarse], "gamg")) {
     PetscCall(MpmDatabaseDefault("-mg_coarse_pc_type", PCGAMG));
@@ -179,5 +191,19 @@ PetscErrorCode MpmMultigridAttach(MpmSolver *solver)
                                              .constraints = disc->constraints,
                                              .tangent     = SumBlocks,
                                              .ctx         = solver}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMultigridLevels(const MpmSolver *solver, PetscInt *levels)
+{
+  KSP ksp;
+  PC  pc;
+
+  PetscFunctionBeginUser;
+  *levels = 0;
+  if (!solver->snes) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SNESGetKSP(solver->snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(MpmLevelsCount(pc, levels));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -47,6 +47,9 @@ def answers(test):
         test.check(name, apart(direct, test.run(BLOCK, **options, **HMG)), None, 1e-9)
     three = test.run(BLOCK, ranks=3, mpm_multigrid_levels=3, **HMG)
     test.check("on_3", apart(direct, three), None, 1e-9)
+    test.check("levels.summary", three.summary["levels"], 3, 3)
+    test.check("levels.iterations", three.summary["iterations_multigrid"], *2 * [np.sum(three.results.column("linear"))])
+    test.check("levels.absent", "levels" in direct.summary, False, False)
     test.check("on_3.iterations", iterations(three), None, 8)
 
 
