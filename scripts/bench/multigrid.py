@@ -1,4 +1,4 @@
-"""Iterations and seconds of multigrid on coarser lattices, of GAMG and of point-block Jacobi.
+"""Iterations and seconds of multigrid on coarser lattices and lower orders, of GAMG and of point-block Jacobi.
 
 `block`: a block in 3D with faces between the nodes (tests/verification/levels.yaml), 4, 8 and 16 cells an axis. `spheres`:
 24 stiff grains in a binder, with 12 holes of soft air, in a box of 1 x 1 x 1.8, stretched from a unit cube; rollers on all
@@ -17,6 +17,7 @@ SPHERES = ROOT / "scripts" / "bench" / "spheres.yaml"
 SOLVERS = {"hmg": {"mpm_solver": "hmg"}, "hmg-matfree": {"mpm_solver": "hmg", "mpm_jacobian": "matfree"},
            "amg": {"mpm_solver": "amg"}, "boomeramg": {"mpm_solver": "boomeramg"},
            "pbjacobi": {"mpm_solver": "pbjacobi", "mpm_jacobian": "matfree"}}
+ORDERS = {"pmg": {"mpm_solver": "pmg"}, "pmg-matfree": {"mpm_solver": "pmg", "mpm_jacobian": "matfree"}}  # of elements
 RATIO = 1.8  # height of the box of spheres over its width
 GRAINS, HOLES, SIZES = 24, 12, (0.16, 0.07)
 G = np.power(1.22074408460575947536, -np.arange(1.0, 4.0))  # quasi-random sequence in 3D, Roberts (2018)
@@ -29,7 +30,8 @@ def add_arguments(parser):
     parser.add_argument("--refine", type=int, nargs="+", metavar="N", help="of the block's cells (1 2 4; quick 1 2)")
     parser.add_argument("--cells", type=int, nargs="+", metavar="N", help="of the spheres across (5 10 15; quick 5)")
     parser.add_argument("--shapes", nargs="+", default=("gimp",), metavar="NAME", help="(gimp)")
-    parser.add_argument("--solvers", nargs="+", choices=tuple(SOLVERS), default=tuple(SOLVERS), help="(all)")
+    parser.add_argument("--order", type=int, metavar="P", help="elements of this order, 2 to 4, in place of the shapes")
+    parser.add_argument("--solvers", nargs="+", choices=(*ORDERS, *SOLVERS), help="(all that serve the shape)")
     parser.add_argument("--limit", type=float, metavar="S", help="a run that takes longer is ended (1800; quick 120)")
 
 
@@ -56,7 +58,11 @@ def spheres(cells, folder):
 
 def measure(arguments, problem, table):
     for solver in arguments.solvers:
-        options = {**problem["options"], **SOLVERS[solver], "mpm_output_every": 0}
+        options = {**problem["options"], **{**ORDERS, **SOLVERS}[solver], "mpm_output_every": 0}
+        if arguments.order:
+            options["mpm_order"] = arguments.order
+            if problem["problem"] == "block":
+                options["mpm_body_block_points_per_cell"] = ",".join(3 * [str(arguments.order + 1)])
         runs = repeated(arguments.repeat, lambda: run_scene(arguments.program, problem["scene"], options,
                                                             arguments.ranks, arguments.limit))
         values = {name: problem[name] for name in ("problem", "cells", "shape")}
@@ -83,6 +89,8 @@ def problems(arguments, folder):
 
 def run(arguments):
     arguments.repeat = arguments.repeat or (1 if arguments.quick else 3)
+    arguments.shapes = ("element",) if arguments.order else arguments.shapes
+    arguments.solvers = arguments.solvers or (*(ORDERS if arguments.order else ()), *SOLVERS)
     arguments.limit = arguments.limit or (120.0 if arguments.quick else 1800.0)
     table = Table(arguments.out, "multigrid", [
         "problem", "cells", "shape", "solver", "ranks", "points", "unknowns", "iterations_per_solve", "solve", "total",

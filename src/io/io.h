@@ -218,8 +218,8 @@ PetscReal MpmProcessMemory(void);
 PetscErrorCode MpmSummaryReduce(MPI_Comm comm, MpmSummary *summary);
 /* Rank 0 writes; keys: status, version, title, ranks, dim, physics, shape, jacobian, solver, points, cells,
    active_dofs_max, steps, step_cuts, newton_iterations, linear_iterations, imbalance, rebalances, time_total_s,
-   time {setup, ...}, memory_max_bytes; with multigrid on lattices iterations_multigrid and levels; where strength is reduced factor_of_safety, or null; where a stage relaxes
-   criteria_first and criteria_since, or null. */
+   time {setup, ...}, memory_max_bytes; with multigrid on lattices iterations_multigrid and levels; where strength is
+   reduced factor_of_safety, or null; where a stage relaxes criteria_first and criteria_since, or null. */
 PetscErrorCode MpmSummaryWrite(MPI_Comm comm, const char *path, const char *version, const MpmSummary *summary);
 
 /* ---- folder.c ---- */

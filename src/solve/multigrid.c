@@ -104,7 +104,7 @@ PetscErrorCode MpmMultigridSetFromOptions(MpmSolver *solver, const MpmOptions *o
   PetscCall(MpmOptionsWord(
     options, "multigrid_smoother",
     "preconditioner of Chebyshev's method on the levels (ilu: ICC(0) where the Jacobian is symmetric); auto: ilu, or "
-    "jacobi where the finest level has no matrix",
+    "jacobi with contact and where the finest level has no matrix",
     smoothers, MPM_OPTIONAL, &multigrid->smoother, NULL));
   PetscCall(MpmOptionsInt(options, "multigrid_smooths",
                           "its steps before and after the coarser level (by default 1 with ICC(0), otherwise 3)", 1, 20,
@@ -116,20 +116,23 @@ PetscErrorCode MpmMultigridSetFromOptions(MpmSolver *solver, const MpmOptions *o
 
 /*
   Chebyshev's method with a smoother on all levels. Incomplete factors reach modes of little stiffness along stiff
-  neighbours: cut cells of splines and of elements, soft holes (docs/solver.md has the table). With ICC(0) one step over
-  the upper part of the eigenvalues costs least. Where the Jacobian is not symmetric `auto` leaves the choice to that of
-  other multigrids (presets.c).
+  neighbours: cut cells of splines and of elements (docs/solver.md has the table). With ICC(0) one step over the upper
+  part of the eigenvalues costs least. The stiff couplings of contacts shift its pivots: Jacobi there. Where the
+  Jacobian is not symmetric `auto` leaves the choice to that of other multigrids (presets.c).
 */
-static PetscErrorCode ApplySmoother(const MpmSolver *solver)
+static PetscErrorCode ApplySmoother(const MpmSolver *solver, PetscBool contacts)
 {
   const PetscBool symmetric = solver->definite.symmetric;
   const PetscBool shell     = (PetscBool)(solver->jacobian.form == MPM_JACOBIAN_MATFREE);
   const char     *name      = smoothers[solver->multigrid.smoother];
   PetscInt        steps     = solver->multigrid.smooths;
   char            smooths[16];
+  PetscBool       chosen;
 
   PetscFunctionBeginUser;
-  if (!strcmp(name, "auto") && (symmetric || shell)) name = shell ? "jacobi" : "ilu";
+  PetscCall(MpmDatabaseHas("mg_levels_pc_type", &chosen));
+  if (chosen) name = "auto";
+  else if (!strcmp(name, "auto") && (symmetric || shell)) name = contacts || shell ? "jacobi" : "ilu";
   if (!strcmp(name, "ilu")) {
     PetscCall(MpmDatabaseDefault("-mg_levels_pc_type", PCBJACOBI));
     PetscCall(MpmDatabaseDefault("-mg_levels_sub_pc_type", symmetric ? PCICC : PCILU));
@@ -142,7 +145,7 @@ static PetscErrorCode ApplySmoother(const MpmSolver *solver)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMultigridApply(MpmSolver *solver)
+PetscErrorCode MpmMultigridApply(MpmSolver *solver, PetscBool contacts)
 {
   const MpmMultigrid *multigrid = &solver->multigrid;
 
@@ -150,7 +153,7 @@ PetscErrorCode MpmMultigridApply(MpmSolver *solver)
   MpmCheckInput(!strcmp(solver->jacobian.mat_type, MATAIJ),
                 "-mpm_mat_type %s: not available with -mpm_solver %s, must be " MATAIJ, solver->jacobian.mat_type,
                 solver->preset.name);
-  PetscCall(ApplySmoother(solver));
+  PetscCall(ApplySmoother(solver, contacts));
   if (!strcmp(coarsest[multigrid->coarse], "gamg")) {
     PetscCall(MpmDatabaseDefault("-mg_coarse_pc_type", PCGAMG));
     PetscCall(MpmDatabaseDefault("-mg_coarse_pc_gamg_threshold", "0.02"));

@@ -249,7 +249,7 @@ PetscErrorCode MpmPresetApply(MpmSolver *solver, PetscReal unknowns, PetscBool i
   if (!strcmp(name, "auto")) PetscCall(ChooseSolver(solver, unknowns, &name));
   direct = (PetscBool)!strcmp(name, "direct");
   if (!strcmp(name, "poro-fieldsplit")) PetscCall(TuneFieldsplit(contacts));
-  if (MpmMultigridIs(name)) PetscCall(MpmMultigridApply(solver));
+  if (MpmMultigridIs(name)) PetscCall(MpmMultigridApply(solver, contacts));
   if ((!strcmp(name, "amg") || MpmMultigridIs(name)) && !solver->definite.symmetric)
     PetscCall(TuneMultigrid(solver, contacts));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++)

@@ -203,13 +203,13 @@ PetscErrorCode MpmFieldsplitAttach(MpmSolver *solver);
 PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver);
 PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split);
 /*
-  Multigrid on coarser lattices (multigrid.c). Apply: PETSc's options that follow from those of the scene. Attach: nodes
-  of the step, for a new preconditioner of that kind. Is: true for the name of a preset with
-  it. Levels: of the last linear solve, 0 with another preconditioner.
+  Multigrid on coarser lattices (multigrid.c). Is: true for the name of a preset with it. Apply: PETSc's options that
+  follow from those of the scene; `contacts`: some may act. Attach: nodes of the step, for a new preconditioner of that
+  kind. Levels: of the last linear solve, 0 with another preconditioner.
 */
 PetscBool      MpmMultigridIs(const char name[]);
 PetscErrorCode MpmMultigridSetFromOptions(MpmSolver *solver, const MpmOptions *options);
-PetscErrorCode MpmMultigridApply(MpmSolver *solver);
+PetscErrorCode MpmMultigridApply(MpmSolver *solver, PetscBool contacts);
 PetscErrorCode MpmMultigridAttach(MpmSolver *solver);
 PetscErrorCode MpmMultigridLevels(const MpmSolver *solver, PetscInt *levels);
 /* The residual that tolerances refer to: that at the step's start. */

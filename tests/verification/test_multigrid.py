@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Multigrid on coarser lattices, and on elements of lower order: few iterations that do not grow with the grid, whatever the shape, and the answer of a direct
 solver, on any number of ranks; with inclined rollers, contact, small cuts and cells that do not divide; coarse operators without a matrix; refused settings."""
+import json
 import sys
 from pathlib import Path
 
@@ -13,7 +14,7 @@ BLOCK = Path(__file__).resolve().parent / "levels.yaml"
 HMG = {"mpm_solver": "hmg"}
 PMG = {"mpm_solver": "pmg"}
 ELEMENTS = {"mpm_shape": "gimp_element", "mpm_order": 2, "mpm_body_block_points_per_cell": "3,3,3"}
-SHAPES = (("linear", 8, {}), ("gimp_bspline2", 30, {"mpm_multigrid_coarsen": 3}))
+SHAPES = (("linear", 8, {}), ("gimp_bspline2", 12, {"mpm_multigrid_coarsen": 3}))
 
 
 def iterations(run):
@@ -24,6 +25,10 @@ def iterations(run):
 def apart(one, other, column="track_top_uz"):
     a, b = one.results.column(column), other.results.column(column)
     return np.max(np.abs(a - b)) / np.max(np.abs(a))
+
+
+def summary(run):
+    return json.loads(Path(run.prefix + "_summary.json").read_text(encoding="utf-8"))
 
 
 def grids(test):
@@ -41,15 +46,16 @@ def answers(test):
         test.check(f"{shape}.iterations", iterations(run), None, most)
         test.check(f"{shape}.direct", apart(test.run(BLOCK, mpm_shape=shape, mpm_solver="direct"), run), None, 1e-9)
     direct = test.run(BLOCK, mpm_solver="direct")
-    for name, options in (("levels", {"mpm_multigrid_levels": 3}), ("pbjacobi", {"mpm_multigrid_smoother": "pbjacobi"}),
+    for name, options in (("levels", {"mpm_multigrid_levels": 3}), ("jacobi", {"mpm_multigrid_smoother": "jacobi"}), ("pbjacobi", {"mpm_multigrid_smoother": "pbjacobi"}),
                           ("gamg", {"mpm_multigrid_coarse": "gamg", "mpm_multigrid_smooths": 2}),
                           ("matfree", {"mpm_jacobian": "matfree", "ksp_rtol": 1e-8}), ("uneven", {"mpm_multigrid_coarsen": 3})):
         test.check(name, apart(direct, test.run(BLOCK, **options, **HMG)), None, 1e-9)
     three = test.run(BLOCK, ranks=3, mpm_multigrid_levels=3, **HMG)
     test.check("on_3", apart(direct, three), None, 1e-9)
-    test.check("levels.summary", three.summary["levels"], 3, 3)
-    test.check("levels.iterations", three.summary["iterations_multigrid"], *2 * [np.sum(three.results.column("linear"))])
-    test.check("levels.absent", "levels" in direct.summary, False, False)
+    told = summary(three)
+    test.check("levels.summary", told["levels"], 3, 3)
+    test.check("levels.iterations", told["iterations_multigrid"], *2 * [np.sum(three.results.column("linear"))])
+    test.check("levels.absent", "levels" in summary(direct), False, False)
     test.check("on_3.iterations", iterations(three), None, 8)
 
 
@@ -90,7 +96,7 @@ def elements(test):
                 test.check(f"order2.{name}", apart(direct, test.run(BLOCK, **{**PMG, **common, **more})), None, 1e-9)
             three = test.run(BLOCK, ranks=3, **common, **PMG)
             test.check("order2.on_3", apart(direct, three), None, 1e-9)
-            test.check("order2.on_3.iterations", iterations(three) - iterations(pmg), None, 1)
+            test.check("order2.on_3.iterations", iterations(three) - iterations(pmg), None, 4)
 
 
 def scenes(test):
