@@ -85,11 +85,6 @@ static PetscErrorCode ReadDivide(MpmModel model, const MpmOptions *block)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Share for elements of order p >= 2: the p + 1 points an axis that fix a polynomial lie in the whole cell. Regular
-   points fill other shares, up to ten an axis. Not of a physics without displacement, whose
-   points are given anywhere in whole cells: near the grid's edge they fill less. */
-#define FILLED_WHOLE 0.91
-
 PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
 {
   const MpmOptions block = {options->comm, "mpm_stabilization_", options->record};
@@ -112,14 +107,16 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
   }
   PetscCall(PetscFree(ghost));
   model->scene.stabilization.filled = 0.;
+  /* A polynomial of degree p grows as the p-th power of the distance from the part of a cell that points fill. Points of
+     a physics without displacement are given anywhere in whole cells, of which they fill less near the grid's edge. */
   if (model->scene.stabilization.ghost_auto)
-    model->scene.stabilization.filled =
-      MpmShapeOrder(model->scene.shape.type) > 1 && model->disc.layout->motion ? FILLED_WHOLE : MPM_FILLED;
+    model->scene.stabilization.filled = PetscPowReal(
+      MPM_FILLED, model->disc.layout->motion ? 1. / (PetscReal)MpmShapeOrder(model->scene.shape.type) : 1.);
   PetscCall(MpmOptionsReal(
     &block, "filled", "-",
     "aggregation of small-cut nodes: those of cells (splines of even degree: cells around nodes) that the material "
     "fills to less than this share of the fullest one beside follow well filled ones by extrapolation; 0.35, "
-    "elements of order 2 and more 0.91; 0: no node does, the default where ghost is not auto (bar pulled by its end "
+    "elements of order p 0.35^(1/p); 0: no node does, the default where ghost is not auto (bar pulled by its end "
     "nodes by 8 % of "
     "a cell: reaction exact to "
     "0.3 %, 19 % less with 0)",
