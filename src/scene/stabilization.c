@@ -117,9 +117,7 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
     "aggregation of small-cut nodes: those of cells (splines of even degree: cells around nodes) that the material "
     "fills to less than this share of the fullest one beside follow well filled ones by extrapolation; 0.35, "
     "elements of order p 0.35^(1/p); 0: no node does, the default where ghost is not auto (bar pulled by its end "
-    "nodes by 8 % of "
-    "a cell: reaction exact to "
-    "0.3 %, 19 % less with 0)",
+    "nodes by 8 % of a cell: reaction exact to 0.3 %, 19 % less with 0)",
     MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.stabilization.filled, NULL));
   PetscCall(
     MpmOptionsReal(&block, "interior", "-",
