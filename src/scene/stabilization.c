@@ -107,8 +107,8 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
   }
   PetscCall(PetscFree(ghost));
   model->scene.stabilization.filled = 0.;
-  /* A polynomial of degree p grows as the p-th power of the distance from the part of a cell that points fill. Points of
-     a physics without displacement are given anywhere in whole cells, of which they fill less near the grid's edge. */
+  /* A polynomial of degree p grows as the p-th power of the distance from the part of a cell that points fill. Points
+     of a physics without displacement stand anywhere in whole cells, of which they fill less near the grid's edge. */
   if (model->scene.stabilization.ghost_auto)
     model->scene.stabilization.filled = PetscPowReal(
       MPM_FILLED, model->disc.layout->motion ? 1. / (PetscReal)MpmShapeOrder(model->scene.shape.type) : 1.);
