@@ -41,7 +41,7 @@ MPM_FN int Fluxes(const KernelPoint *point, const Tensor *dF, const Tensor *dF_b
 {
   Sym tau;
 
-  if (LawStress(point, dF_bar, &tau)) return 1;
+  if (SolidStress(point, dF_bar, &tau)) return 1;
   FbarFlux(point, &tau, dF, mean, flux, &flux[GRADIENTS]);
   SolidKeep(point, &tau, dF_bar);
   return 0;

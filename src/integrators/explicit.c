@@ -19,7 +19,9 @@
   Bardenhagen (2002), J. Comput. Phys. 180, 383-403, doi:10.1006/jcph.2002.7103 (usf, usl).
 */
 #include "talus/point/basal.h"
+#include "point/fluid_stretch.h"
 #include "point/layout.h"
+#include "point/material.h"
 #include "grid/grid.h"
 #include "grid/shape.h"
 #include "particles/particles.h"
@@ -131,7 +133,7 @@ static PetscErrorCode EvaluatePoints(MpmModel model, const PetscReal u[], PetscB
 
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_RESIDUAL, &since));
-  sum.mode = still && !model->disc.layout->means ? MPM_MODE_START : MPM_MODE_END;
+  sum.mode = still ? MPM_MODE_START : MPM_MODE_END;
   if (!force && IsColumns(model)) PetscCall(MpmBedUpdateColumns(&sum, u, trial, &failed));
   else if (!force && !model->disc.layout->means) PetscCall(MpmPointsUpdate(&sum, u, trial, &failed));
   else {
@@ -475,6 +477,8 @@ static PetscErrorCode Accept(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmMonitorBegin(&model->monitor, MPM_TIME_TRANSFER, &since));
   PetscCall(Observe(model));
+  if (MpmFluidsAmong(model->scene.materials->at, model->scene.materials->count))
+    MpmMotionConvect(sum, &MpmModelMotion(model)->transfer, model->disc.trial);
   if (model->disc.points->motion.increment) PetscCall(MpmCommitLocal(sum, model->disc.trial, model->disc.nodal.u));
   else PetscCall(MpmCommitMoves(sum, model->disc.trial, sum->step.dt, dynamics->moves));
   if (HasOthers(model)) {

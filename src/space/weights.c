@@ -6,6 +6,7 @@
   nodes, with zeros between, and all shapes of a point over the smallest box that holds the nodes of each.
 */
 #include "base/outcome.h"
+#include "point/fluid_stretch.h"
 #include "point/layout.h"
 #include "grid/grid.h"
 #include "grid/walls.h"
@@ -63,7 +64,9 @@ PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, Pe
   const PetscReal *x    = &points->x[p * dim];
   PetscInt         lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
   PetscReal        U[MPM_MAX_DIM] = {1., 1., 1.};
-  const PetscBool  good           = (PetscBool)!rules->stretch(MpmPointF(points, p), U);
+  const PetscBool  good =
+    (PetscBool)!MpmDomainStretch(MpmFluidsAmong(rules->materials, rules->longest > 0. ? rules->material_count : 0),
+                                 points->material[p], rules->stretch, dim, MpmPointF(points, p), U);
 
   MpmSpaceEdges(rules, x, lower, upper);
   for (PetscInt a = 0; a < dim; a++) {
@@ -116,9 +119,10 @@ static PetscInt BlockPlace(const MpmRules *rules, const MpmPoints *points, Petsc
 /* The half-lengths of all points, and the longest: infinite when a point has no stretch. */
 static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscReal half[], PetscReal *longest)
 {
-  const PetscInt dim = rules->grid->dim;
-  Block          block;
-  PetscReal      U[NUMBERS], most[NUMBERS];
+  const PetscInt     dim    = rules->grid->dim;
+  const MpmMaterial *fluids = MpmFluidsAmong(rules->materials, rules->longest > 0. ? rules->material_count : 0);
+  Block              block;
+  PetscReal          U[NUMBERS], most[NUMBERS];
 
   *longest = 0.;
   BlockCreate(rules, &block);
@@ -130,7 +134,9 @@ static void HalfLengths(const MpmRules *rules, const MpmPoints *points, PetscRea
 
     for (PetscInt k = 0; k < count * dim; k++) U[k] = 1.;
     for (PetscInt p = 0; p < count; p++)
-      if (rules->stretch(&F[p * points->F_size], &U[p * dim])) *longest = PETSC_INFINITY;
+      if (MpmDomainStretch(fluids, points->material[from + p], rules->stretch, dim, &F[p * points->F_size],
+                           &U[p * dim]))
+        *longest = PETSC_INFINITY;
     for (PetscInt k = 0; k < count * dim; k++) {
       to[k]   = Clipped(rules, length[k] * U[k] / block.h[k], block.xi[k], block.first[k], block.last[k]);
       most[k] = PetscMax(most[k], to[k]);

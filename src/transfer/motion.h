@@ -24,6 +24,9 @@ typedef struct {
 /* New velocities and accelerations of the points, before they are moved: the weights are those of the step's start. */
 PetscErrorCode MpmMotionToPoints(const MpmSum *sum, const MpmTransfer *transfer, const MpmMotionStep *step);
 
+/* Affine velocities of fluids, once the trial has the step's end and before it is kept (convect_affine.c). */
+void MpmMotionConvect(const MpmSum *sum, const MpmTransfer *transfer, const MpmTrial *trial);
+
 /*
   y_i = sum_p m_p w_ip a_p at the owned nodes, kg m/s2: as forces, the accelerations a_p = sum_j w_jp a_j of the points
   from those of the local nodes, dim a node.

@@ -2,7 +2,8 @@
 """Flow in three dimensions over a bed and against a wall: contact of material that flows, in explicit steps.
 
 Water runs down a slope and over its foot: no point is lost or goes through the bed, and contact adds no energy. In a
-tank whose bed and wall cut the cells the wall carries rho g h^2/2. Friction is by a law of the bed, too. Ranks agree.
+tank whose bed and wall cut the cells the wall carries rho g h^2/2. Friction is by a law of the bed, too. Ranks agree. A layer
+stops by its viscosity, and splashes gain no energy.
 
 Quick.
 """
@@ -72,6 +73,21 @@ BRAKE = """mpm:
   load_weight: {{type: gravity, value: "0,0,-9.81", ramp: "0:1"}}
   time: {{integrator: {integrator}, end: {end}}}
   output: {{every: 10000}}
+  quiet: true
+"""
+SHEAR = """mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "0.25,1.25", cells: "4,20"}
+  materials: oil
+  material_oil: {type: newtonian, density: 1000, sound_speed: 10, viscosity: 50}
+  bodies: oil
+  body_oil: {region: box, lower: "0.0625,0", upper: "0.1875,1", points_per_cell: "2,2", material: oil, velocity: "0.01,0"}
+  bcs: level,floor
+  bc_level: {region: all, components: "y"}
+  bc_floor: {region: box, lower: "0,0", upper: "1,0", components: "x"}
+  stabilization: {fbar: true}
+  time: {integrator: explicit, end: 2}
+  output: {every: 100000}
   quiet: true
 """
 MUD = "\n  material_mud: {{type: {}, density: 1000}}"
@@ -144,6 +160,18 @@ def brake(test):
         test.check(f"{label}.files", len(refused.files), 0, 0)
 
 
+def shear(test):
+    """A layer that stops on its floor by viscosity (Stokes), with F-bar and with each update of the stress."""
+    folder = test.folder()
+    (folder / "shear.yaml").write_text(SHEAR)
+    odd = (2 * np.arange(50) + 1) * np.pi / 2
+    share = float((2 / odd**2 * np.exp(-(odd**2) * 0.05 * 2)).sum())
+    for update in ("musl", "usf"):
+        history = test.run(folder / "shear.yaml", mpm_time_update=update).results.column
+        test.near(f"shear.{update}", float(history("momentum_x")[-1]), 1000 * 0.125 * 0.01 * share, relative=0.01)
+        test.check(f"shear.{update}.energy", abs(float(history("energy_balance")[-1])) / 6.25e-3, None, 0.05)
+
+
 def example_runs(test, name, scenes):
     """An example's depth-averaged run, and the scenes in 3D after it: options by file; `on` is the body that goes on."""
     folder = test.folder()
@@ -157,6 +185,9 @@ def example_runs(test, name, scenes):
         run = test.run(folder / f"{scene}.yaml", **options)
         flow = flow or run
         test.check_example(f"{name}.{scene}", run, name)
+        if body:
+            gain = np.maximum(np.diff(run.results.column("energy_balance")), 0).sum()
+            test.check(f"{name}.{scene}.gain", float(gain / run.results.column("energy_kinetic").max()), None, 0.02)
 
 
 if __name__ == "__main__":
@@ -164,5 +195,6 @@ if __name__ == "__main__":
         slide(test)
         tank(test)
         brake(test)
+        shear(test)
         example_runs(test, "sliding_to_wall", {"case": {}, "wall": {"on": "water"}, "pond": {}})
         example_runs(test, "mudflow_barrier", {"case": {}, "barrier": {"on": "flow", "mpm_time_end": 6}})
