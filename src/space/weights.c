@@ -77,11 +77,7 @@ PetscBool MpmSpaceHalfLengths(const MpmRules *rules, const MpmPoints *points, Pe
   return good;
 }
 
-/*
-  ---- blocks of points ----
-
-  What takes divisions is done for a block of points at a time, number by number: a number for each point and axis.
-*/
+/* ---- blocks of points: divisions are done for a block at a time, number by number of each point and axis ---- */
 #define BLOCK   32
 #define NUMBERS (BLOCK * MPM_MAX_DIM)
 
