@@ -85,6 +85,17 @@ static PetscErrorCode ReadDivide(MpmModel model, const MpmOptions *block)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  A polynomial of degree p grows as the p-th power of the distance from the part of a cell that points fill. Points of a
+  physics without displacement stand anywhere in whole cells, of which they fill less near the grid's edge.
+*/
+static PetscReal DefaultFilled(const MpmModel model)
+{
+  const PetscInt order = model->disc.layout->motion ? MpmShapeOrder(model->scene.shape.type) : 1;
+
+  return model->scene.stabilization.ghost_auto ? PetscPowReal(MPM_FILLED, 1. / (PetscReal)order) : 0.;
+}
+
 PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
 {
   const MpmOptions block = {options->comm, "mpm_stabilization_", options->record};
@@ -106,12 +117,7 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
                   "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
   }
   PetscCall(PetscFree(ghost));
-  model->scene.stabilization.filled = 0.;
-  /* A polynomial of degree p grows as the p-th power of the distance from the part of a cell that points fill. Points
-     of a physics without displacement stand anywhere in whole cells, of which they fill less near the grid's edge. */
-  if (model->scene.stabilization.ghost_auto)
-    model->scene.stabilization.filled = PetscPowReal(
-      MPM_FILLED, model->disc.layout->motion ? 1. / (PetscReal)MpmShapeOrder(model->scene.shape.type) : 1.);
+  model->scene.stabilization.filled = DefaultFilled(model);
   PetscCall(MpmOptionsReal(
     &block, "filled", "-",
     "aggregation of small-cut nodes: those of cells (splines of even degree: cells around nodes) that the material "
