@@ -121,8 +121,8 @@ static PetscErrorCode ReadDiscretization(MpmModel model, const MpmOptions *optio
   PetscCall(
     MpmOptionsWord(options, "jacobian", "how the Jacobian is made", MpmJacobianTypes, MPM_OPTIONAL, &jacobian, NULL));
   model->solver.jacobian.form = jacobian == MPM_JACOBIAN_AUTO ? MPM_JACOBIAN_LOCAL : (MpmJacobianType)jacobian;
-  PetscCall(MpmStabilizationRead(model, options));
   PetscCall(CreatePhysics(model, physics, dim));
+  PetscCall(MpmStabilizationRead(model, options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -66,6 +66,7 @@ def motion(test):
     tip = alone.results.column("track_tip_uy")[-1]
     test.near("beam.tip", tip, -2.2207, relative=0.03)  # gimp_bspline2, 48 x 64 cells; gimp on these is 7.5 % off
     test.check("beam.energy", abs(alone.results.column("energy_balance")).max() / 4e4, None, 1e-3)
+    test.near("beam.filled", float(alone.results.option("mpm_stabilization_filled")), 0.35**0.5, relative=1e-5)
     for name, ranks, options in (("ranks", 3, {}), ("restart", 2, {"mpm_restart": f"{alone.prefix}_checkpoint_000015.h5"})):
         other = test.run(scene, ranks=ranks, **{**BEAM, **options})
         test.near(f"beam.{name}", other.results.column("track_tip_uy")[-1], tip, relative=1e-9)
