@@ -123,7 +123,7 @@ static PetscErrorCode SetUp(Bench *bench)
 {
   PetscFunctionBeginUser;
   PetscCall(MpmActionDestroy(&bench->stored));
-  PetscCall(MpmActionCreate(bench->model->disc.terms, bench->model->disc.sum, PETSC_TRUE, &bench->stored));
+  PetscCall(MpmActionCreate(bench->model->disc.terms, bench->model->disc.sum, PETSC_TRUE, PETSC_FALSE, &bench->stored));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -275,9 +275,9 @@ static PetscErrorCode Measure(Bench *bench)
   PetscCall(Print("points", (PetscReal)disc->points->count));
   PetscCall(Print("unknowns", (PetscReal)(disc->space->owned * disc->block)));
   PetscCall(PrintCounts(disc->space));
-  PetscCall(MpmActionCreate(disc->terms, disc->sum, PETSC_TRUE, &bench->stored));
+  PetscCall(MpmActionCreate(disc->terms, disc->sum, PETSC_TRUE, PETSC_FALSE, &bench->stored));
   PetscCall(MpmActionSetState(&bench->stored, bench->du, &failed));
-  PetscCall(MpmActionCreate(disc->terms, disc->sum, PETSC_FALSE, &bench->direct));
+  PetscCall(MpmActionCreate(disc->terms, disc->sum, PETSC_FALSE, PETSC_FALSE, &bench->direct));
   PetscCall(MpmActionSetState(&bench->direct, bench->du, &failed));
   PetscCall(PrintDifference(bench));
   if (bench->assembled) {

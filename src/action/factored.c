@@ -135,14 +135,15 @@ static void FillLines(MpmFactored *factored, const MpmStack *stack, const PetscI
 }
 
 /* Vectors on lines of the cache, with zeros. */
-static PetscErrorCode AllocateLanes(MpmFactored *factored, size_t count, Lane **lanes)
+static PetscErrorCode AllocateLanes(MpmFactored *factored, size_t count, void *lanes)
 {
   const size_t bytes = PetscMax(count, 1) * sizeof(Lane);
+  void        *made  = aligned_alloc(sizeof(Lane), bytes);
 
   PetscFunctionBeginUser;
-  *lanes = aligned_alloc(sizeof(Lane), bytes);
-  PetscCheck(*lanes, PETSC_COMM_SELF, PETSC_ERR_MEM, "no %zu bytes for the tangents of the points", bytes);
-  memset(*lanes, 0, bytes);
+  PetscCheck(made, PETSC_COMM_SELF, PETSC_ERR_MEM, "no %zu bytes for the tangents of the points", bytes);
+  memset(made, 0, bytes);
+  *(void **)lanes = made;
   factored->bytes += bytes;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -168,7 +169,7 @@ static PetscErrorCode FillAllLines(MpmFactored *factored)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmFactoredCreate(const MpmSum *sum, PetscBool half, MpmFactored **factored)
+PetscErrorCode MpmFactoredCreate(const MpmSum *sum, PetscBool half, PetscBool single, MpmFactored **factored)
 {
   const MpmSpace *space = sum->space;
   const PetscInt  N = sum->layout->input.count, bs = sum->block;
@@ -179,6 +180,7 @@ PetscErrorCode MpmFactoredCreate(const MpmSum *sum, PetscBool half, MpmFactored 
   PetscCall(PetscNew(&made));
   made->sum      = sum;
   made->half     = half;
+  made->single   = single;
   made->gradient = TakesGradients(sum->layout);
   made->block    = bs;
   made->inputs   = N;
@@ -191,7 +193,8 @@ PetscErrorCode MpmFactoredCreate(const MpmSum *sum, PetscBool half, MpmFactored 
   Place(space, made, rest);
   PetscCall(PetscFree(rest));
   PetscCall(FillAllLines(made));
-  PetscCall(AllocateLanes(made, (size_t)made->batch_count * (size_t)made->size, &made->tangent));
+  PetscCall(
+    AllocateLanes(made, ((size_t)made->batch_count * (size_t)made->size + single) / (single ? 2 : 1), &made->tangent));
   for (PetscInt k = 0; k < made->stack_count; k++) {
     const PetscInt *count = made->stack[k].count;
 
@@ -220,22 +223,29 @@ PetscErrorCode MpmFactoredDestroy(MpmFactored **factored)
 /* Share of the largest entry by which the triangles of a symmetric tangent may differ: rounding. */
 #define ASYMMETRY 1e-13
 
+/* Number k of all lanes. */
+static void Keep(MpmFactored *factored, PetscInt k, PetscReal value)
+{
+  if (factored->single) ((float *)factored->tangent)[k] = (float)value;
+  else ((PetscReal *)factored->tangent)[k] = value;
+}
+
 PetscBool MpmFactoredSetTangent(MpmFactored *factored, PetscInt s, const PetscReal D[])
 {
   const PetscInt N = factored->inputs, at = factored->place[s];
-  Lane          *to      = &factored->tangent[at / MPM_LANES * factored->size];
-  const PetscInt lane    = at % MPM_LANES;
+  const PetscInt first   = at / MPM_LANES * factored->size * MPM_LANES + at % MPM_LANES;
   PetscReal      largest = 0., difference = 0.;
+  PetscInt       m = 0;
 
   if (!factored->half) {
-    for (PetscInt k = 0; k < N * N; k++) to[k][lane] = D[k];
+    for (; m < N * N; m++) Keep(factored, first + m * MPM_LANES, D[m]);
     return PETSC_TRUE;
   }
   for (PetscInt k = 0; k < N; k++) {
-    for (PetscInt l = k; l < N; l++, to++) {
-      (*to)[lane] = 0.5 * (D[k * N + l] + D[l * N + k]);
-      largest     = PetscMax(largest, PetscAbsReal(D[k * N + l]));
-      difference  = PetscMax(difference, PetscAbsReal(D[k * N + l] - D[l * N + k]));
+    for (PetscInt l = k; l < N; l++, m++) {
+      Keep(factored, first + m * MPM_LANES, 0.5 * (D[k * N + l] + D[l * N + k]));
+      largest    = PetscMax(largest, PetscAbsReal(D[k * N + l]));
+      difference = PetscMax(difference, PetscAbsReal(D[k * N + l] - D[l * N + k]));
     }
   }
   return (PetscBool)(difference <= ASYMMETRY * largest);

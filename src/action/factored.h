@@ -25,15 +25,17 @@ PetscBool MpmFactoredServes(const MpmSum *sum);
 
   Input Parameters:
 + sum  - the points and their space; it must outlive the action
-- half - the tangents are symmetric: one triangle is kept
+. half - the tangents are symmetric: one triangle is kept
+- single - they are kept in single precision
 
   Output Parameter:
 . factored - the action; its tangents are zero
 
   Notes:
-  Takes 8 (2 dim n + N) bytes a point, n nodes an axis, N = I (I + 1)/2 numbers with `half`, otherwise I^2, of I inputs.
+  Takes 8 (2 dim n + N) bytes a point, n nodes an axis, N = I (I + 1)/2 numbers with `half`, otherwise I^2, of I inputs;
+  with `single` half as much for the N.
 @*/
-PetscErrorCode MpmFactoredCreate(const MpmSum *sum, PetscBool half, MpmFactored **factored);
+PetscErrorCode MpmFactoredCreate(const MpmSum *sum, PetscBool half, PetscBool single, MpmFactored **factored);
 PetscErrorCode MpmFactoredDestroy(MpmFactored **factored);
 
 /* Tangent of the point at place s of the points' order, D[k][l] by the kernel's inputs; PETSC_FALSE where one triangle

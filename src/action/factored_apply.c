@@ -142,7 +142,8 @@ MPM_INLINE void TakeFlux(const Known known, const MpmFactored *factored, PetscBo
                          const Lane gradient[], Lane flux[])
 {
   const PetscInt N = InputsOf(known);
-  const Lane    *D = &factored->tangent[batch * factored->size];
+  Lane           room[MPM_TANGENT_MOST];
+  const Lane    *D = MpmTangentsOf(factored, batch, room);
 
   if (factored->half) TimesHalf(N, D, gradient, flux);
   else if (transposed) TimesWhole(N, PETSC_TRUE, D, gradient, flux);
@@ -256,9 +257,11 @@ MPM_INLINE void ApplyStack(const Known known, const MpmFactored *factored, const
   const PetscInt dim = known.dim, bs = known.block, nx = NodesAlong(known, stack, 0), ny = NodesAlong(known, stack, 1),
                  nz = NodesAlong(known, stack, 2);
   const PetscInt  n = nx * ny * nz, lines = 2 * (dim == MPM_MAX_DIM ? nx + ny + nz : nx + ny);
-  const PetscInt *nodes  = NodesOf(factored, stack->begin * MPM_LANES);
-  const Lane     *w      = &factored->lines[stack->lines];
-  Lane           *values = factored->work, *force = values + n * bs;
+  const PetscInt *nodes = NodesOf(factored, stack->begin * MPM_LANES);
+  const PetscInt  tangent =
+    factored->size * (PetscInt)(factored->single ? sizeof(LaneSingle) : sizeof(Lane)); /* bytes */
+  const Lane *w      = &factored->lines[stack->lines];
+  Lane       *values = factored->work, *force = values + n * bs;
 
   if (known.shared) {
     GatherShared(bs, n, nodes, x, (PetscReal *)values);
@@ -268,7 +271,7 @@ MPM_INLINE void ApplyStack(const Known known, const MpmFactored *factored, const
     Lane input[MPM_MAX_DIM * MPM_MAX_DIM], flux[MPM_MAX_DIM * MPM_MAX_DIM];
 
     if (!known.shared) GatherLanes(bs, n, factored, batch, x, values);
-    Prefetch(factored->size, &factored->tangent[(batch + 1) * factored->size]);
+    Prefetch(tangent / (PetscInt)sizeof(Lane), (const Lane *)((const char *)factored->tangent + (batch + 1) * tangent));
     Prefetch(lines, w + lines);
     TakeInputs(known, stack, w, values, input);
     TakeFlux(known, factored, transposed, batch, input, flux);
@@ -416,10 +419,12 @@ MPM_INLINE void DiagonalStack(const Known known, PetscBool half, const MpmFactor
   Lane          *sums = factored->work;
 
   for (PetscInt batch = stack->begin; batch < stack->end; batch++) {
+    Lane room[MPM_TANGENT_MOST];
+
     if (batch == stack->begin || !stack->shared)
       for (PetscInt m = 0; m < n * block; m++) sums[m] = (Lane){0.};
     AddBlocks(known, half, stack, &factored->lines[stack->lines + (size_t)((batch - stack->begin) * lines)],
-              &factored->tangent[batch * factored->size], sums);
+              MpmTangentsOf(factored, batch, room), sums);
     if (!stack->shared) ScatterLanes(block, n, factored, batch, sums, blocks);
   }
   if (stack->shared) ScatterShared(block, n, NodesOf(factored, stack->begin * MPM_LANES), sums, blocks);

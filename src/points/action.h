@@ -17,13 +17,16 @@ typedef struct {
   PetscReal      *u;         /* at the local nodes: where the derivative is taken */
   PetscReal      *tangent;   /* per place in the points' order, or NULL */
   MpmFactored    *factored;  /* in place of `tangent`, or NULL */
+  PetscBool       single;    /* its tangents are kept in single precision */
   PetscReal      *mean_flux; /* conjugate to the mean, at each of the ordered points; or NULL */
   PetscReal      *values, *dvalues, *force, *storage;
   MpmBasis        basis;
   MpmCellWork     cell;
   MpmSpreadWork   spread; /* means by shares of domains; its tangents are always kept */
 } MpmAction;
-PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBool stored, MpmAction *action);
+/* `single`: tangents are kept in single precision, where they are kept side by side (action/factored.h). */
+PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBool stored, PetscBool single,
+                               MpmAction *action);
 PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscInt *failed);
 /* y += J du at the local nodes, of one unit of the points, of all points, or of all terms. */
 PetscErrorCode MpmActionApplyUnit(MpmAction *action, PetscInt unit, const PetscReal du[], PetscReal y[],

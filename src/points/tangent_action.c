@@ -21,14 +21,16 @@ static PetscBool LawsAreSymmetric(const MpmSum *sum)
   return PETSC_TRUE;
 }
 
-PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBool stored, MpmAction *action)
+PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBool stored, PetscBool single,
+                               MpmAction *action)
 {
   const PetscInt n = PetscPowInt(sum->space->width, sum->space->dim), bs = sum->block;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMemzero(action, sizeof(*action)));
-  action->sum   = sum;
-  action->terms = terms;
+  action->sum    = sum;
+  action->terms  = terms;
+  action->single = single;
   PetscCall(PetscMalloc1((sum->space->local * bs), &action->u));
   PetscCall(PetscMalloc1((n * (3 * bs + MpmBasisCount(sum->space))), &action->storage));
   action->values  = action->storage;
@@ -39,7 +41,8 @@ PetscErrorCode MpmActionCreate(const MpmTerms *terms, const MpmSum *sum, PetscBo
     PetscCall(MpmSpreadWorkCreate(sum, PETSC_TRUE, &action->spread));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (stored && MpmFactoredServes(sum)) PetscCall(MpmFactoredCreate(sum, LawsAreSymmetric(sum), &action->factored));
+  if (stored && MpmFactoredServes(sum))
+    PetscCall(MpmFactoredCreate(sum, LawsAreSymmetric(sum), single, &action->factored));
   else if (stored)
     PetscCall(
       PetscMalloc1(((size_t)sum->space->point_count * (size_t)MpmTangentSize(sum->layout) + 1), &action->tangent));
@@ -153,7 +156,7 @@ PetscErrorCode MpmActionSetState(MpmAction *action, const PetscReal u[], PetscIn
   if (!halves) { /* a law with another tangent than that of its potential */
     *failed = 0;
     PetscCall(MpmFactoredDestroy(&action->factored));
-    PetscCall(MpmFactoredCreate(sum, PETSC_FALSE, &action->factored));
+    PetscCall(MpmFactoredCreate(sum, PETSC_FALSE, action->single, &action->factored));
     PetscCall(StorePoints(action, &halves, failed));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -151,7 +151,7 @@ PetscErrorCode MpmJacobianColoring(const MpmTerms *terms, const MpmSum *sum, Mpm
 
   PetscFunctionBeginUser;
   PetscCall(ColorBox(sum, pattern, seeds.dense, lower, upper, &seeds.side));
-  PetscCall(MpmActionCreate(terms, sum, PETSC_FALSE, &seeds.action));
+  PetscCall(MpmActionCreate(terms, sum, PETSC_FALSE, PETSC_FALSE, &seeds.action));
   seeds.action.differences = (PetscBool)(type == MPM_JACOBIAN_FD);
   PetscCall(MpmActionSetState(&seeds.action, u, failed));
   PetscCall(PetscCalloc1((pattern->local * bs), &seeds.y));

@@ -206,7 +206,8 @@ PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J)
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&free));
   free->solver = solver;
-  PetscCall(MpmActionCreate(solver->disc->terms, solver->disc->sum, stored, &free->action));
+  PetscCall(MpmActionCreate(solver->disc->terms, solver->disc->sum, stored, (PetscBool)solver->multigrid.single,
+                            &free->action));
   PetscCall(PetscMalloc2((solver->disc->space->local * bs), &free->du, (solver->disc->space->local * bs), &free->y));
   PetscCall(MatCreateShell(solver->disc->comm, rows, rows, solver->disc->space->number.count * bs,
                            solver->disc->space->number.count * bs, free, J));

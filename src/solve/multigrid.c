@@ -9,8 +9,9 @@
 #include "problem/discretization.h"
 #include "solve/solve.h"
 
-static const char *const smoothers[] = {"auto", "jacobi", "pbjacobi", "ilu", NULL};
-static const char *const coarsest[]  = {"direct", "gamg", NULL};
+static const char *const smoothers[]  = {"auto", "jacobi", "pbjacobi", "ilu", NULL};
+static const char *const coarsest[]   = {"direct", "gamg", NULL};
+static const char *const precisions[] = {"double", "single", NULL};
 
 /* A number, or the word `auto`, which is 0. */
 static PetscErrorCode ReadLevels(MpmMultigrid *multigrid, const MpmOptions *options)
@@ -111,6 +112,10 @@ PetscErrorCode MpmMultigridSetFromOptions(MpmSolver *solver, const MpmOptions *o
                           MPM_OPTIONAL, &multigrid->smooths, NULL));
   PetscCall(MpmOptionsWord(options, "multigrid_coarse", "solver of the coarsest level", coarsest, MPM_OPTIONAL,
                            &multigrid->coarse, NULL));
+  PetscCall(MpmOptionsWord(options, "multigrid_precision",
+                           "of the points' tangents with -mpm_jacobian matfree; single: half of their memory, for laws "
+                           "without F-bar",
+                           precisions, MPM_OPTIONAL, &multigrid->single, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -124,6 +124,7 @@ typedef struct {
 typedef struct {
   MpmLevelsChoice levels;
   PetscInt        smoother, smooths, coarse;
+  PetscInt        single; /* precision of the points' tangents without a matrix; 0: double */
 } MpmMultigrid;
 
 /* Iterations of the last step, and of all steps. */

@@ -140,7 +140,7 @@ static PetscErrorCode Apply(MpmModel model, PetscInt k, const PetscReal v[], Pet
     PetscCall(MpmTermsApplyOne(disc->terms, k, disc->sum, disc->nodal.u, v, y));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmActionCreate(disc->terms, disc->sum, PETSC_FALSE, &action));
+  PetscCall(MpmActionCreate(disc->terms, disc->sum, PETSC_FALSE, PETSC_FALSE, &action));
   PetscCall(MpmActionSetState(&action, disc->nodal.u, &failed));
   for (PetscInt unit = 0; unit < MpmUnitCount(disc->sum); unit++)
     PetscCall(MpmActionApplyUnit(&action, unit, v, y, &failed));
