@@ -147,7 +147,7 @@ PetscErrorCode MpmEntrainmentRead(MpmModel model, const MpmOptions *options)
   of->time       = &model->state.time;
   if (of->erodes || of->deposits) {
     PetscCall(MpmBedChangeCreate(model->disc.grid, bed));
-    PetscCall(PetscMalloc1(1, &of->flow->shear));
+    PetscCall(PetscMalloc1(1, &of->flow->on_bed.shear));
   }
   PetscCall(AddRows(model));
   PetscFunctionReturn(PETSC_SUCCESS);

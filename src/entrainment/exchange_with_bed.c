@@ -81,7 +81,7 @@ static PetscErrorCode FindParts(const MpmEntrainment *of, const MpmSum *sum, Pet
 {
   PetscFunctionBeginUser;
   for (PetscInt i = 0; i < sum->space->local; i++) {
-    const MpmBedShear *shear = &of->flow->shear[i];
+    const MpmBedShear *shear = &of->flow->on_bed.shear[i];
     const Node         node  = Look(of, i);
     PetscReal          x[MPM_MAX_DIM], area, gain = 0., loss = 0.;
     PetscInt           place;

@@ -141,6 +141,7 @@ PetscErrorCode MpmBedDestroy(MpmBed *bed)
   PetscCall(PetscFree(bed->file));
   PetscCall(PetscFree(bed->project));
   PetscCall(PetscFree(bed->missing));
+  PetscCall(MpmBedDamsDestroy(&bed->dams));
   PetscCall(MpmMapDestroy(&bed->map));
   PetscCall(MpmMapDestroy(&bed->change));
   PetscFunctionReturn(PETSC_SUCCESS);

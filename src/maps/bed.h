@@ -11,6 +11,13 @@
 /* Curvature of paths: left out; in the motion, which keeps its speed along the bed; in the pressure, too. */
 typedef enum { MPM_BED_STRAIGHT, MPM_BED_PATH, MPM_BED_PRESSURE } MpmBedCurvature;
 
+/* Dams: name, and the height by which each has raised the bed, m, on a window of the pixels that has all of it. */
+typedef struct {
+  PetscInt count;
+  char   **name;
+  MpmMap  *height;
+} MpmBedDams;
+
 /* Height z = plane[0] + plane[1] x + plane[2] y, or bilinear between the centres of a map's pixels. */
 struct MpmBed {
   PetscReal       plane[3];
@@ -21,7 +28,8 @@ struct MpmBed {
   PetscReal       viscosity; /* factor of lateral friction (terrain/bed_mixing.c) */
   PetscBool       normal;    /* lengths, depth and pressure count along and normal to the bed */
   PetscBool       outflow;   /* material on pixels without data has left; otherwise it ends the run */
-  char           *missing;   /* of each pixel: it has no data, and a value from beside; NULL: there is none */
+  MpmBedDams      dams;
+  char           *missing; /* of each pixel: it has no data, and a value from beside; NULL: there is none */
 };
 
 /*

@@ -161,6 +161,63 @@ static PetscErrorCode ReadDam(const MpmOptions *options, const char name[], MpmB
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The pixels on which two maps differ, and those beside them, where there are any: [first, end) of columns and rows. */
+static void Window(const MpmMap *map, const PetscReal before[], PetscInt first[2], PetscInt end[2])
+{
+  first[0] = map->columns;
+  first[1] = map->rows;
+  end[0] = end[1] = 0;
+  for (PetscInt64 k = 0; k < (PetscInt64)map->columns * map->rows; k++) {
+    const PetscInt at[] = {(PetscInt)(k % map->columns), (PetscInt)(k / map->columns)};
+
+    for (PetscInt a = 0; map->value[k] != before[k] && a < 2; a++) {
+      first[a] = PetscMin(first[a], PetscMax(at[a] - 1, 0));
+      end[a]   = PetscMax(end[a], PetscMin(at[a] + 2, a ? map->rows : map->columns));
+    }
+  }
+}
+
+/* Keeps what a dam has added to the heights before. */
+static PetscErrorCode KeepHeight(const char name[], const PetscReal before[], MpmBed *bed)
+{
+  const MpmMap *map  = &bed->map;
+  MpmBedDams   *dams = &bed->dams;
+  PetscInt      first[2], end[2];
+  MpmMap        height = {.cell = {map->cell[0], map->cell[1]}};
+
+  PetscFunctionBeginUser;
+  Window(map, before, first, end);
+  if (end[0]) {
+    height.columns = end[0] - first[0];
+    height.rows    = end[1] - first[1];
+    height.x0      = map->x0 + (PetscReal)first[0] * map->cell[0];
+    height.y0      = map->y0 + (PetscReal)first[1] * map->cell[1];
+    PetscCall(PetscMalloc1((size_t)height.columns * (size_t)height.rows, &height.value));
+    for (PetscInt64 k = 0; k < (PetscInt64)height.columns * height.rows; k++) {
+      const PetscInt64 at = (first[1] + k / height.columns) * map->columns + first[0] + k % height.columns;
+
+      height.value[k] = map->value[at] - before[at];
+    }
+  }
+  PetscCall(PetscRealloc(sizeof(*dams->name) * (size_t)(dams->count + 1), &dams->name));
+  PetscCall(PetscRealloc(sizeof(*dams->height) * (size_t)(dams->count + 1), &dams->height));
+  PetscCall(PetscStrallocpy(name, &dams->name[dams->count]));
+  dams->height[dams->count++] = height;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBedDamsDestroy(MpmBedDams *dams)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < dams->count; k++) {
+    PetscCall(PetscFree(dams->name[k]));
+    PetscCall(MpmMapDestroy(&dams->height[k]));
+  }
+  PetscCall(PetscFree(dams->name));
+  PetscCall(PetscFree(dams->height));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBedRaise(const MpmOptions *options, MpmBed *bed)
 {
   const MpmOptions terrain = {options->comm, "mpm_terrain_", options->record};
@@ -170,8 +227,17 @@ PetscErrorCode MpmBedRaise(const MpmOptions *options, MpmBed *bed)
   PetscFunctionBeginUser;
   PetscCall(
     MpmOptionsNames(&terrain, "raise", "names of dams, each with a block raise_NAME", MPM_OPTIONAL, &count, &names));
-  for (PetscInt k = 0; k < (MpmOptionsHelp() ? 1 : count); k++)
-    PetscCall(ReadDam(options, MpmOptionsHelp() ? "NAME" : names[k], bed));
+  if (MpmOptionsHelp()) PetscCall(ReadDam(options, "NAME", bed));
+  for (PetscInt k = 0; k < (MpmOptionsHelp() ? 0 : count); k++) {
+    const size_t pixels = (size_t)bed->map.columns * (size_t)bed->map.rows;
+    PetscReal   *before;
+
+    PetscCall(PetscMalloc1(pixels, &before));
+    PetscCall(PetscArraycpy(before, bed->map.value, pixels));
+    PetscCall(ReadDam(options, names[k], bed));
+    PetscCall(KeepHeight(names[k], before, bed));
+    PetscCall(PetscFree(before));
+  }
   PetscCall(MpmNamesDestroy(count, &names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -95,7 +95,7 @@ static PetscErrorCode (*const parts[])(MpmModel, MpmColumns *) = {MpmStepAddColu
                                                                   MpmTracksAddVelocities,   MpmEnergyAddColumns,
                                                                   MpmRelaxationAddColumns,  MpmRunoutAddColumns,
                                                                   MpmEntrainmentAddColumns, MpmDamageAddColumns,
-                                                                  MpmSignatureAddColumns};
+                                                                  MpmDamsAddColumns,        MpmSignatureAddColumns};
 
 /* Columns of the library's caller follow the scene's. */
 static PetscErrorCode AddCallers(MpmModel model, MpmColumns *columns)

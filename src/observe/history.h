@@ -11,6 +11,7 @@
 PetscErrorCode MpmStepAddColumns(MpmModel model, MpmColumns *columns);
 /* Forces of conditions, motions and boundaries, and places of the latter; flow out of surfaces (reactions.c). */
 PetscErrorCode MpmReactionsAddColumns(MpmModel model, MpmColumns *columns);
+PetscErrorCode MpmDamsAddColumns(MpmModel model, MpmColumns *columns); /* forces of a flow on dams of its bed */
 PetscErrorCode MpmOutflowAddColumns(MpmModel model, MpmColumns *columns);
 
 /* Energy that fracture has dissipated, and the largest damage (damage_columns.c). */

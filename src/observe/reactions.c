@@ -1,6 +1,6 @@
 /*
-  Columns of the forces on the material: of conditions, motions and boundaries, and of bodies on one another; with them
-  the places of boundaries, and the flow out of surfaces.
+  Columns of the forces on the material: of conditions, motions and boundaries, and of bodies on one another; of those
+  of a flow on dams; of the places of boundaries, and the flow out of surfaces.
 */
 #include "base/columns.h"
 #include "point/layout.h"
@@ -13,6 +13,7 @@
 #include "loads/body_surface.h"
 #include "loads/load.h"
 #include "pairs/body_contact.h"
+#include "terrain/bed_flow.h"
 #include "query/model.h"
 #include "observe/history.h"
 
@@ -212,6 +213,28 @@ PetscErrorCode MpmReactionsAddColumns(MpmModel model, MpmColumns *columns)
     const MpmColumn row = {"force", "N", dim, MpmAxisParts, FillPair, NULL, p};
 
     PetscCall(MpmColumnsAdd(columns, model->scene.pairs->names[p], &row));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- dams ---- */
+
+static PetscErrorCode FillDam(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscArraycpy(values, model->disc.context.bed->on_bed.dams[column->index], 3));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDamsAddColumns(MpmModel model, MpmColumns *columns)
+{
+  const MpmBed *bed = model->scene.deformation.bed;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; bed && k < bed->dams.count; k++) {
+    const MpmColumn row = {"force", "N", 3, MpmAxisParts, FillDam, NULL, k};
+
+    PetscCall(MpmColumnsAdd(columns, bed->dams.name[k], &row));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

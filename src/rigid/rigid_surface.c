@@ -125,7 +125,6 @@ static PetscErrorCode ReadTerrain(const MpmOptions *options, const MpmGrid *grid
   MpmCheckInput(map || plane, "-mpm_terrain_file is missing: a boundary of type terrain needs it, or -mpm_bed");
   PetscCall(PetscNew(&solid->bed));
   PetscCall(MpmBedRead(options, grid->lower, grid->upper, solid->bed));
-  MpmCheckInput(!(solid->bed->viscosity > 0.), "-mpm_terrain_viscosity: is an option of -mpm_physics depth_averaged");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -20,6 +20,7 @@
   Where no more than one component of the displacement is free, as in a column between smooth walls, the volume changes
   with that component alone, nothing can lock, and the mean over a cell would only cost accuracy.
 */
+#include "talus/point/basal.h"
 #include "options/options.h"
 #include "geometry/geometry.h"
 #include "point/layout.h"
@@ -266,7 +267,8 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
 
   PetscFunctionBeginUser;
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(model->scene.stabilization.smooth == 0. || model->disc.layout->traits.solid,
+  MpmCheckInput(model->scene.stabilization.smooth == 0. ||
+                  (model->disc.layout->traits.solid && !(physics.traits & MPM_PHYSICS_COLUMNS)),
                 "-mpm_stabilization_smooth %g: not available for physics %s, must be auto or 0",
                 (double)model->scene.stabilization.smooth, model->scene.physics.name);
   PetscCall(SettleDivide(model));

@@ -20,9 +20,14 @@ PetscErrorCode MpmTerrainRead(MpmModel model, const MpmOptions *options)
   const MpmScene *scene = &model->scene;
   PetscReal      *drag;
   MpmBed         *bed;
+  PetscBool       viscous;
 
   PetscFunctionBeginUser;
-  if (!(scene->physics.traits & MPM_PHYSICS_COLUMNS) && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!(scene->physics.traits & MPM_PHYSICS_COLUMNS) && !MpmOptionsHelp()) {
+    PetscCall(MpmOptionsHas(options, "terrain_viscosity", &viscous));
+    MpmCheckInput(!viscous, "-mpm_terrain_viscosity: is an option of -mpm_physics depth_averaged");
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscNew(&bed));
   PetscCall(MpmBedRead(options, model->disc.grid->lower, model->disc.grid->upper, bed));
   if (MpmOptionsHelp()) PetscCall(MpmForestsRead(options, model->disc.grid, &drag));
@@ -34,6 +39,7 @@ PetscErrorCode MpmTerrainRead(MpmModel model, const MpmOptions *options)
   model->scene.deformation.bed = bed;
   PetscCall(PetscNew(&model->disc.context.bed));
   model->disc.context.bed->bed = bed;
+  if (bed->dams.count) PetscCall(PetscCalloc1(bed->dams.count, &model->disc.context.bed->on_bed.dams));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   if (bed->outflow) model->disc.grid->outflow = PETSC_TRUE;
   if (options->record && bed->map.value)

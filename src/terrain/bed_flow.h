@@ -65,6 +65,12 @@ typedef struct {
   PetscReal stress, speed;
 } MpmBedShear;
 
+/* Forces on the bed in the last increment, each NULL where nobody asks for it. */
+typedef struct {
+  MpmBedShear *shear;   /* at the nodes */
+  PetscReal (*dams)[3]; /* on each dam of the bed, N (dam_force.c) */
+} MpmBedForces;
+
 /* Points, nodes and groups that arrays have room for. */
 typedef struct {
   PetscInt points, nodes, groups;
@@ -87,8 +93,8 @@ struct MpmBedFlow {
   PetscReal       *sums, *shares, *level, *steep, *failed, *force;
   PetscReal       *friction; /* force of the resistance in the last increment, N, two a node */
   PetscReal       *drag;     /* of forests at the nodes of the grid (forest.h); NULL: there are none */
-  MpmBedShear     *shear;    /* in the last increment; NULL: nobody asks for it */
-  PetscInt         mapped;   /* parameters by map */
+  MpmBedForces     on_bed;
+  PetscInt         mapped; /* parameters by map */
   MpmBedParameter *parameter;
   PetscReal       *own; /* [material*MPM_BED_PARAMETERS + place] at a node; NULL: none is by map */
 };
@@ -126,7 +132,7 @@ PetscErrorCode MpmBedCalm(const MpmBedFlow *flow, const MpmSum *sum);
 /* Lateral friction of the points with the flow about them, nodes displaced by u (bed_mixing.c). */
 PetscErrorCode MpmBedMix(const MpmBedFlow *flow, const MpmSum *sum, const PetscReal u[]);
 /* Turns the points' velocities with the bed on their way of the step (bed_turn.c). */
-void MpmBedTurn(const MpmSum *sum, const MpmBed *bed);
+void MpmBedTurn(const MpmBedFlow *flow, const MpmSum *sum);
 /* Pressure of a point's depth along the bed over that of a fluid; 1 without internal friction (bed_earth.c). */
 PetscReal MpmBedEarthPressure(const MpmSum *sum, PetscInt p, PetscReal depth, PetscReal cosine2);
 /* Lengths of a column's domain along the axes over those at the start (bed_stretch.c); not 0: F is no deformation. */

@@ -9,7 +9,7 @@
 #include "space/lanes.h"
 #include "space/space.h"
 #include "space/sum.h"
-#include "terrain/bed_flow.h"
+#include "terrain/dam_force.h"
 
 #define MOST_KNOWN 16   /* nodes of a group with a loop of its own */
 #define FAILS      0.25 /* of the weights of a point's nodes: a front on a slope leaves that many without balance */
@@ -32,8 +32,9 @@ PetscErrorCode MpmBedFlowDestroy(MpmBedFlow **flow)
   PetscCall(PetscFree7((*flow)->height, (*flow)->sums, (*flow)->shares, (*flow)->level, (*flow)->steep, (*flow)->failed,
                        (*flow)->force));
   PetscCall(PetscFree((*flow)->friction));
-  PetscCall(PetscFree((*flow)->shear));
+  PetscCall(PetscFree((*flow)->on_bed.shear));
   PetscCall(PetscFree((*flow)->drag));
+  PetscCall(PetscFree((*flow)->on_bed.dams));
   PetscCall(PetscFree(*flow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -57,7 +58,8 @@ static PetscErrorCode Resize(const MpmSum *sum, MpmBedFlow *flow)
                            &flow->level, (flow->room.nodes * MPM_STEEP_COUNT), &flow->steep, flow->room.nodes,
                            &flow->failed, (flow->room.nodes * sum->block), &flow->force));
     PetscCall(PetscRealloc(sizeof(PetscReal) * (size_t)(flow->room.nodes * sum->block), &flow->friction));
-    if (flow->shear) PetscCall(PetscRealloc(sizeof(*flow->shear) * (size_t)flow->room.nodes, &flow->shear));
+    if (flow->on_bed.shear)
+      PetscCall(PetscRealloc(sizeof(*flow->on_bed.shear) * (size_t)flow->room.nodes, &flow->on_bed.shear));
   }
   PetscCall(PetscArrayzero(flow->sums, nodes * MPM_BED_SUMS));
   PetscCall(PetscArrayzero(flow->shares, nodes * shares));
@@ -309,9 +311,11 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
 
   (void)particles;
   PetscFunctionBeginUser;
+  PetscCall(MpmDamsBegin(flow, sum));
   PetscCall(MpmBedCalm(flow, sum));
   if (flow->bed->viscosity > 0.) PetscCall(MpmBedMix(flow, sum, u));
-  if (flow->bed->curvature) MpmBedTurn(sum, flow->bed);
+  if (flow->bed->curvature) MpmBedTurn(flow, sum);
+  PetscCall(MpmDamsEnd(flow, sum));
   PetscCall(MpmBedStraighten(sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -128,7 +128,7 @@ PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[]
 
   PetscFunctionBeginUser;
   PetscCall(PetscArrayzero(flow->friction, sum->space->local * sum->block));
-  if (flow->shear) PetscCall(PetscArrayzero(flow->shear, sum->space->local));
+  if (flow->on_bed.shear) PetscCall(PetscArrayzero(flow->on_bed.shear, sum->space->local));
   for (PetscInt i = 0; i < sum->space->local; i++) {
     const PetscReal *sums = &flow->sums[i * MPM_BED_SUMS];
     PetscReal *v = &velocity[i * sum->block], speed = PetscSqrtReal(v[0] * v[0] + v[1] * v[1]), slope[2], along, to;
@@ -147,7 +147,7 @@ PetscErrorCode MpmBedResist(void *ctx, const MpmSum *sum, const PetscReal mass[]
     if (flow->own) TakeParameters(sum, i, flow);
     if (flow->drag) node.drag = flow->drag[Place(sum, i)];
     to = MpmResistedSpeed(mass[i], kick, speed, Resistance, &node);
-    if (flow->shear && to > 0.) flow->shear[i] = (MpmBedShear){Shear(&node, to), node.along * to};
+    if (flow->on_bed.shear && to > 0.) flow->on_bed.shear[i] = (MpmBedShear){Shear(&node, to), node.along * to};
     for (PetscInt a = 0; a < 2; a++) {
       v[a]                               = to == 0. ? 0. : v[a] * to / speed;
       flow->friction[i * sum->block + a] = mass[i] * (v[a] - before[a]) / kick;

@@ -11,9 +11,11 @@
   Source: Goldstein, Poole and Safko (2002), Classical mechanics, 3rd ed., section 4.7 (rotation formula).
 */
 #include "grid/grid.h"
+#include "point/material.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/sum.h"
-#include "terrain/bed_flow.h"
+#include "terrain/dam_force.h"
 
 /* The unit normal of the bed at a place, upwards. */
 static void Normal(const MpmSum *sum, const MpmBed *bed, const PetscReal x[], PetscReal n[3])
@@ -35,8 +37,9 @@ static void Normal(const MpmSum *sum, const MpmBed *bed, const PetscReal x[], Pe
   for (PetscInt a = 0; a < 3; a++) n[a] /= PetscSqrtReal(length);
 }
 
-void MpmBedTurn(const MpmSum *sum, const MpmBed *bed)
+void MpmBedTurn(const MpmBedFlow *flow, const MpmSum *sum)
 {
+  const MpmBed    *bed    = flow->bed;
   const MpmPoints *points = sum->points;
 
   for (PetscInt p = 0; p < points->count; p++) {
@@ -49,5 +52,12 @@ void MpmBedTurn(const MpmSum *sum, const MpmBed *bed)
     across = v[0] * after[0] + v[1] * after[1] - (v[0] * before[0] + v[1] * before[1]) / before[2] * after[2];
     apart  = 1. + before[0] * after[0] + before[1] * after[1] + before[2] * after[2];
     for (PetscInt a = 0; a < 2; a++) v[a] -= across / apart * (before[a] + after[a]);
+    if (flow->on_bed.dams && across != 0.) {
+      const PetscReal way = MpmPointMass(points, sum->materials, p) * across / apart;
+      PetscReal       impulse[3];
+
+      for (PetscInt a = 0; a < 3; a++) impulse[a] = way * (before[a] + after[a]);
+      MpmDamsTurn(flow, sum, p, impulse);
+    }
   }
 }

@@ -154,6 +154,7 @@ def brake(test):
     test.near("brake.voellmy", float(force), 1000 * G * 5 * (0.2 * 0.25 + speed**2 / 200), relative=0.05)
     for label, friction, words, integrator in (
             ("both", "basal: mud, friction: 0.2", "not with friction or adhesion", "explicit, cfl: 0.5"),
+            ("viscosity", "basal: mud}\n  terrain: {viscosity: 10", "is an option of -mpm_physics depth_averaged", "explicit, cfl: 0.5"),
             ("implicit", "basal: mud", "needs explicit steps", "newmark, step: 0.1")):
         refused = run(label, friction, "coulomb, mu: 0.2", integrator=integrator, status=2)
         test.check(f"{label}.line", words in refused.errors and refused.errors.count("\n") == 1, 1, 1)

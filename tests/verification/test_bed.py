@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The bed of a flow over terrain: dams that are raised on it, and pixels without data under the material.
+"""The bed of a flow over terrain: dams that are raised on it, the force of the flow on them, and pixels without data under the material.
 
 Quick.
 """
@@ -21,7 +21,7 @@ SCENE = """mpm:
   materials: water
   material_water: {{type: coulomb, mu: 0.01, density: 1000}}
   bodies: flow
-  body_flow: {{region: box, lower: "{lower}", upper: "{upper}", points_per_cell: "2,2", depth: 1, material: water}}
+  body_flow: {{region: box, lower: "{lower}", upper: "{upper}", points_per_cell: "2,2", {fill}, material: water}}
   bcs: south,north,west,east
   bc_south: {{region: box, lower: "0,0", upper: "200,0", components: "y"}}
   bc_north: {{region: box, lower: "0,100", upper: "200,100", components: "y"}}
@@ -73,9 +73,9 @@ class Bed:
     def __init__(self, test):
         self.test, self.folder = test, test.folder()
 
-    def run(self, file="slope.asc", terrain="", blocks="", end=1.0, lower="10,10", upper="190,90", status=0, ranks=1, **options):
+    def run(self, file="slope.asc", terrain="", blocks="", end=1.0, lower="10,10", upper="190,90", fill="depth: 1", status=0, ranks=1, **options):
         path = self.folder / "bed.yaml"
-        path.write_text(SCENE.format(file=file, terrain=terrain, blocks=blocks, end=end, lower=lower, upper=upper))
+        path.write_text(SCENE.format(file=file, terrain=terrain, blocks=blocks, end=end, lower=lower, upper=upper, fill=fill))
         return self.test.run(path, status=status, ranks=ranks, **options)
 
     def points(self, **options):
@@ -112,6 +112,22 @@ with Test() as test:
     middle = [state["position"][abs(state["position"][:, 1] - 50) < 20, 0] for state in (held, free)]
     test.check("dam.holds", float(middle[0].max()), 85, 110)
     test.check("dam.free", float(middle[1].max()), 125, 200)
+
+    # force on a dam across a channel: water at rest, its weight on the face; an impulse is what momentum is lost
+    write_map(bed.folder / "level.asc", np.zeros(slope.shape))
+    (bed.folder / "across.geojson").write_text(json.dumps({"type": "LineString", "coordinates": [[149.5, -2], [149.5, 102]]}))
+    across = {"file": "level.asc", "terrain": ", raise: dam", "blocks": "  raise_dam: {file: across.geojson, height: 16, crest: 3, batter: 2}\n",
+              "mpm_grid_cells": "100,5", "mpm_material_water_mu": 0.0, "mpm_output_every": 10000}
+    for ranks in (1, 3):
+        rest = bed.run(lower="0,0", upper="148,100", end=0.3, fill="level: 8", ranks=ranks, **across).results.column
+        test.near(f"force.rest.{ranks}", float(rest("force_dam_x")[-1]), 0.5 * 9810 * 8**2 * 100, relative=1e-9)
+    test.near("force.weight", float(rest("force_dam_z")[-1]), -0.5 * 9810 * 8 * 16 * 100, relative=0.03)
+    test.near("force.across", float(abs(rest("force_dam_y")).max()), 0, absolute=1e-6)
+    for curvature in ("none", "path"):
+        hit = bed.run(lower="60,0", upper="110,100", end=4.0, mpm_body_flow_velocity="15,0", mpm_curvature=curvature, **across).results.column
+        impulse, momentum = float((hit("force_dam_x") * hit("dt"))[1:].sum()), hit("momentum_x")
+        test.near(f"force.{curvature}", impulse, float(momentum[0] - momentum[-1]), relative=0.01)
+        test.check(f"force.{curvature}.taken", impulse / float(momentum[0]), 0.1, 1)
 
     # pixels without data: material on them ends the run, or is gone
     hole = slope.copy()
@@ -153,6 +169,7 @@ with Test() as test:
             ("file", "cannot be read", ", raise: dam", "  raise_dam: {file: nowhere.geojson, height: 8}\n"),
             ("both", "the height is given, too", ", raise: dam", "  raise_dam: {file: dam.geojson, height: 8, level: 9}\n"),
             ("neither", "a line needs a height or a level", ", raise: dam", "  raise_dam: {file: dam.geojson}\n"),
+            ("smooth", "must be auto or 0", "", "  stabilization: {smooth: 0.1}\n"),
             ("height", "must be > 0", ", raise: dam", "  raise_dam: {file: dam.geojson, height: -1}\n")):
         run = bed.run(terrain=terrain, blocks=blocks, status=2)
         test.check(f"{label}.line", words in run.errors and run.errors.count("\n") == 1, 1, 1)
