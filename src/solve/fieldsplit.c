@@ -1,8 +1,9 @@
 /*
-  The preconditioner for a displacement and a pressure that keeps the volume, of the preset poro-fieldsplit.
+  Preconditioners by blocks, for a displacement and one unknown beside it.
 
-  The Jacobian is [A, B; C, -D]: A the solid's stiffness, D flow and storage of the pressure's own gradient and value in
-  the step. PETSc's PCFIELDSPLIT factors it by blocks, with multigrid for A, which gets the rigid body modes, and for
+  poro-fieldsplit, for a pressure that keeps the volume. The Jacobian is [A, B; C, -D]: A the solid's stiffness, D flow
+  and storage of the pressure's own gradient and value in the step. PETSc's PCFIELDSPLIT factors it by blocks, with
+  multigrid for A, which gets the rigid body modes, and for
 
     S = -(D + M) ,   M_ij = sum_p V_0 phi_i phi_j / (lambda + 2 mu)
 
@@ -13,6 +14,10 @@
 
   Source of the idea: the fixed-stress splitting as a preconditioner, White, Castelletto and Tchelepi (2016),
   doi:10.1016/j.cma.2015.12.010.
+
+  damage-fieldsplit, for the damage of a solid: the Jacobian is [A, B; C, D], with definite A and D. The damage is
+  solved for first, then the displacement with B times the new damage. This block Gauss-Seidel is exact in iterations
+  in turn, where C = 0 (alternate.c). Source: Farrell and Maurini (2017), doi:10.1002/nme.5300.
 */
 #include "particles/point_mass.h"
 #include "space/point_loop.h"
@@ -25,6 +30,11 @@ PetscBool MpmFieldsplitServes(const MpmLayout *layout)
   return (PetscBool)(layout->block == layout->dim + 1 && layout->field_count == 2);
 }
 
+PetscBool MpmFieldsplitServesDamage(const MpmLayout *layout)
+{
+  return (PetscBool)(MpmFieldsplitServes(layout) && layout->traits.alternate);
+}
+
 PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split)
 {
   PetscFunctionBeginUser;
@@ -35,7 +45,7 @@ PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The unknowns of the displacement, by nodes, and those of the pressure. */
+/* The unknowns of the displacement, by nodes, and those of the other field. */
 static PetscErrorCode CreateSets(MpmSolver *solver)
 {
   const MpmSpace *space = solver->disc->space;
@@ -62,16 +72,19 @@ PetscErrorCode MpmFieldsplitAttach(MpmSolver *solver)
   PetscCall(SNESGetKSP(solver->snes, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCFIELDSPLIT, &is));
-  solver->split.on = (PetscBool)(is && MpmFieldsplitServes(solver->disc->layout));
+  solver->split.on =
+    (PetscBool)(is && MpmFieldsplitServes(solver->disc->layout) &&
+                (solver->disc->layout->traits.saddle || MpmFieldsplitServesDamage(solver->disc->layout)));
   if (!solver->split.on) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmFieldsplitReset(&solver->split));
   PetscCall(CreateSets(solver));
+  if (MpmFieldsplitServesDamage(solver->disc->layout)) PetscCall(PCFieldSplitSetIS(pc, "d", solver->split.is[1]));
   PetscCall(PCFieldSplitSetIS(pc, "u", solver->split.is[0]));
-  PetscCall(PCFieldSplitSetIS(pc, "p", solver->split.is[1]));
+  if (solver->disc->layout->traits.saddle) PetscCall(PCFieldSplitSetIS(pc, "p", solver->split.is[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The rigid body modes of the whole, without the pressure, for the displacement's multigrid. */
+/* The rigid body modes of the whole, without the other field, for the displacement's multigrid. */
 static PetscErrorCode TakeModes(MpmSolver *solver)
 {
   MatNullSpace  all, own;
@@ -96,7 +109,7 @@ static PetscErrorCode TakeModes(MpmSolver *solver)
     PetscCall(VecDuplicate(sub, &part[kept]));
     PetscCall(VecCopy(sub, part[kept]));
     PetscCall(VecRestoreSubVector(mode[k], solver->split.is[0], &sub));
-    PetscCall(VecNormalize(part[kept], &norm)); /* a mode is one of the displacement or of the pressure */
+    PetscCall(VecNormalize(part[kept], &norm)); /* a mode is one of either field */
     if (norm > 0.5) kept++;
     else PetscCall(VecDestroy(&part[kept]));
   }
@@ -179,6 +192,7 @@ PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver)
   PetscFunctionBeginUser;
   if (!split->on) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(TakeModes(solver));
+  if (!solver->disc->layout->traits.saddle) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateSubMatrix(solver->jacobian.assembled, split->is[1], split->is[1], reuse, &split->schur));
   if (!split->mass) PetscCall(MatDuplicate(split->schur, MAT_DO_NOT_COPY_VALUES, &split->mass));
   PetscCall(MakeMass(solver, split->mass));

@@ -208,6 +208,8 @@ static PetscErrorCode CheckSuits(const MpmSolver *solver)
   MpmCheckInput(!definite || !layout->traits.saddle,
                 "-mpm_solver %s: needs a definite Jacobian, must be auto, direct or poro-fieldsplit with this physics",
                 solver->preset.name);
+  MpmCheckInput(strcmp(solver->preset.name, "damage-fieldsplit") || MpmFieldsplitServesDamage(layout),
+                "-mpm_solver damage-fieldsplit: needs a displacement and a damage, must be another with this physics");
   PetscCall(PetscOptionsGetString(NULL, NULL, "-pc_type", type, sizeof(type), NULL));
   MpmCheckInput(strcmp(type, "band") || MpmFieldsDoWork(layout),
                 "-pc_type band: is for one field, must be cholesky or lu with this physics");

@@ -65,7 +65,7 @@ typedef struct {
 /* The preconditioner of two fields by blocks (fieldsplit.c). */
 typedef struct {
   PetscBool     on;
-  IS            is[2]; /* unknowns of the displacement and of the pressure */
+  IS            is[2]; /* unknowns of the displacement and of the other field */
   Mat           schur, mass;
   PetscObjectId modes; /* the near null space that the displacement's comes from */
 } MpmFieldsplit;
@@ -196,10 +196,12 @@ PetscErrorCode MpmFieldsSetReference(MpmSolver *solver, Vec f);
 PetscErrorCode MpmFieldsLearn(MpmSolver *solver, Vec x, Vec y);
 PetscErrorCode MpmFieldsConverged(MpmSolver *solver, Vec f, PetscReal rtol, PetscReal floor, PetscReal *excess);
 /*
-  PCFIELDSPLIT (fieldsplit.c). Serves: true for a displacement and one unknown beside it. Attach: sets the unknowns of
-  the blocks of a new preconditioner of that kind. Update: data that go with a new Jacobian.
+  PCFIELDSPLIT (fieldsplit.c). Serves: true for a displacement and one unknown beside it. ServesDamage: true where that
+  is a damage. Attach: sets the unknowns of the blocks of a new preconditioner of that kind. Update: data that go with
+  a new Jacobian.
 */
 PetscBool      MpmFieldsplitServes(const MpmLayout *layout);
+PetscBool      MpmFieldsplitServesDamage(const MpmLayout *layout);
 PetscErrorCode MpmFieldsplitAttach(MpmSolver *solver);
 PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver);
 PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split);

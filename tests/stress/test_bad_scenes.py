@@ -540,6 +540,8 @@ CASES = [
     ("pressure in dry ground", {"mpm_body_block_initial_pressure": "1"}, "mpm_body_block_initial_pressure"),
     ("band with two fields", {**WET, "pc_type": "band"}, "-pc_type band: is for one field"),
     ("multigrid for a saddle point", {**WET, "mpm_solver": "amg"}, "-mpm_solver amg: needs a definite Jacobian"),
+    ("blocks of damage in a sound solid", {"mpm_solver": "damage-fieldsplit"},
+     "-mpm_solver damage-fieldsplit: needs a displacement and a damage"),
     ("blocks of one field", {"mpm_solver": "poro-fieldsplit"}, "-mpm_solver poro-fieldsplit: needs a displacement and a pressure"),
     ("porosity missing", {**WET, "mpm_material_soil_porosity": None}, "-mpm_material_soil_porosity is missing"),
     ("porosity zero", {**WET, "mpm_material_soil_porosity": "0"}, "-mpm_material_soil_porosity 0: must lie in (0, 1)"),

@@ -165,8 +165,16 @@ with Test() as test:
     for law, cells, energy in (("at2", 4, 1.127601), ("at2", 8, 1.063151), ("at1", 4, 1.095703), ("at1", 8, 1.047363)):
         test.near(f"broken_cell.{law}.{cells}", broken_cell(test, cells, law), energy, relative=2e-3)
     test.check_example("broken_bar", test.run(example("broken_bar"), mpm_quiet=None), "broken_bar")
-    slot = test.run(example("slot_crack"), mpm_grid_cells="32,34", mpm_grid_lower="0,-0.03125",
-                    mpm_grid_upper="1,1.03125", mpm_time_end=0.4, mpm_output_every=0).results.history
+    coarse = {"mpm_grid_cells": "32,34", "mpm_grid_lower": "0,-0.03125", "mpm_grid_upper": "1,1.03125", "mpm_time_end": 0.4,
+              "mpm_output_every": 0}
+    slot = test.run(example("slot_crack"), mpm_solver="direct", **coarse).results.history
     test.check("slot.iterations", max(slot["newton"][1:]), None, 6)  # bounds of unknowns: 3; at points 50 to 150
+    for name, ranks, options in (("1", 1, {}), ("3", 3, {}), ("matfree", 1, {"mpm_jacobian": "matfree"}),
+                                 ("staggered", 1, {"mpm_damage_scheme": "staggered"})):
+        found = test.run(example("slot_crack"), ranks=ranks, mpm_solver="damage-fieldsplit", **options, **coarse).results.history
+        for column in ("reaction_high_y", "energy_fracture", "damage_max"):
+            apart = np.max(np.abs(np.array(found[column]) - np.array(slot[column]))) / np.max(np.abs(slot[column]))
+            test.check(f"blocks.{name}.{column}", apart, None, 1e-5 if name == "staggered" else 1e-8)
+        test.check(f"blocks.{name}.iterations", sum(found["linear"]) / sum(found["newton"]), None, 16)  # 10 to 12
     if FULL:  # minutes
         test.check_example("slot_crack", test.run(example("slot_crack"), mpm_quiet=None), "slot_crack")
