@@ -56,7 +56,7 @@ static PetscErrorCode FacetsOfBoundary(MpmFacets *facets, PetscInt b, const MpmR
   PetscFunctionBeginUser;
   PetscCall(MpmFacetsFindDrawn(facets, b, grid, points));
   if (facets->drawn[b]) {
-    PetscCall(MpmFacetsAddShares(facets, b, grid, space, points));
+    PetscCall(MpmFacetsAddShares(facets, b, rules, space, points));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmFacetsAddFlowing(facets, b, rules, points, space, &flows));

@@ -120,7 +120,7 @@ PetscInt MpmFacetAtEdge(const MpmFacets *facets, const PetscReal h[], PetscReal 
 void     MpmFacetSlicePlace(PetscInt dim, PetscReal (*sides)[MPM_MAX_DIM], MpmFacet *slice);
 
 /* Adds the shares of the points in the boundary's own surface as facets (surface_shares.c). Collective. */
-PetscErrorCode MpmFacetsAddShares(MpmFacets *facets, PetscInt boundary, const MpmGrid *grid, const MpmSpace *space,
+PetscErrorCode MpmFacetsAddShares(MpmFacets *facets, PetscInt boundary, const MpmRules *rules, const MpmSpace *space,
                                   const MpmPoints *points);
 /*
   Pieces of surfaces along which material slides (surface_pieces.c). Spread: the facets that are such pieces are

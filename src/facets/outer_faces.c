@@ -12,6 +12,7 @@
 #include "facets/outer_faces.h"
 #include "particles/particles.h"
 #include "particles/points.h"
+#include "selection/air_points.h"
 
 #define PROBE 1.2 /* of the way from the centre to a face's middle */
 #define WIDE  1.1 /* of a domain that covers a probe */
@@ -186,8 +187,8 @@ static PetscErrorCode ShareDomains(Bins *bins)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, const PetscInt part[],
-                                 const PetscInt asked[], PetscInt faces[])
+PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, const MpmMaterial *materials,
+                                 const PetscInt part[], const PetscInt asked[], PetscInt faces[])
 {
   const PetscInt dim  = grid->dim;
   Bins           bins = {.grid = grid, .count = points->count};
@@ -199,13 +200,14 @@ PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, c
 
     Reach(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], reach);
     for (PetscInt a = 0; a < dim; a++) bins.reach[a] = PetscMax(bins.reach[a], reach[a]);
-    bins.domain[p] = MakeDomain(dim, points, p, part ? part[p] : 0);
+    bins.domain[p] = MakeDomain(dim, points, p, MpmPointIsAir(materials, points, p) ? -1 : part ? part[p] : 0);
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, bins.reach, MPM_MAX_DIM, MPIU_REAL, MPIU_MAX, grid->comm));
   PetscCall(ShareDomains(&bins));
   PetscCall(FillBins(&bins));
   for (PetscInt p = 0; p < points->count; p++) {
     faces[p] = 0;
+    if (MpmPointIsAir(materials, points, p)) continue;
     for (PetscInt k = 0; k < 2 * dim; k++) {
       PetscReal arm[MPM_MAX_DIM], area[MPM_MAX_DIM], probe[MPM_MAX_DIM];
 
@@ -222,7 +224,7 @@ PetscErrorCode MpmOuterFacesFind(const MpmGrid *grid, const MpmPoints *points, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmOuterFacesUpdate(MpmParticles *particles, MpmGrid *grid)
+PetscErrorCode MpmOuterFacesUpdate(MpmParticles *particles, const MpmMaterials *materials, MpmGrid *grid)
 {
   MpmOutcome outcome;
   MpmPoints  points;
@@ -232,7 +234,7 @@ PetscErrorCode MpmOuterFacesUpdate(MpmParticles *particles, MpmGrid *grid)
   PetscCall(MpmParticlesDistribute(particles, grid, &outcome));
   MpmCheckInput(!outcome.code, "-mpm_bodies: %s", outcome.text);
   PetscCall(MpmParticlesGetArrays(particles, &points));
-  PetscCall(MpmOuterFacesFind(grid, &points, points.domain.part, NULL, points.domain.faces));
+  PetscCall(MpmOuterFacesFind(grid, &points, materials->at, points.domain.part, NULL, points.domain.faces));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -20,6 +20,8 @@
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "particles/points.h"
+#include "selection/air_points.h"
+#include "space/rules.h"
 #include "space/space.h"
 #include "facets/facets.h"
 
@@ -84,7 +86,7 @@ static int CompareCells(const void *a, const void *b)
 }
 
 /* The points beside the surface, of this rank and those that are rivals on others, by cells. */
-static PetscErrorCode FindCandidates(Shares *shares, const MpmPoints *points)
+static PetscErrorCode FindCandidates(Shares *shares, const MpmMaterial *materials, const MpmPoints *points)
 {
   const MpmGrid     *grid     = shares->grid;
   const MpmBoundary *boundary = &shares->facets->boundaries[shares->boundary];
@@ -97,6 +99,7 @@ static PetscErrorCode FindCandidates(Shares *shares, const MpmPoints *points)
     Candidate *candidate = &shares->candidate[shares->count];
     MpmSurface surface;
 
+    if (MpmPointIsAir(materials, points, p)) continue;
     if (!MpmRegionContains(boundary->region, &points->origin[p * dim])) continue;
     *candidate = (Candidate){.near = 0., .id = points->id[p], .point = p};
     for (PetscInt a = 0; a < dim; a++) {
@@ -246,14 +249,15 @@ static PetscErrorCode Sample(Shares *shares)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmFacetsAddShares(MpmFacets *facets, PetscInt boundary, const MpmGrid *grid, const MpmSpace *space,
+PetscErrorCode MpmFacetsAddShares(MpmFacets *facets, PetscInt boundary, const MpmRules *rules, const MpmSpace *space,
                                   const MpmPoints *points)
 {
+  const MpmGrid *grid   = rules->grid;
   const PetscInt dim    = grid->dim;
   Shares         shares = {.facets = facets, .grid = grid, .boundary = boundary};
 
   PetscFunctionBeginUser;
-  PetscCall(FindCandidates(&shares, points));
+  PetscCall(FindCandidates(&shares, rules->materials, points));
   PetscCall(PetscCalloc1(points->count, &shares.share));
   PetscCall(Sample(&shares));
   for (PetscInt g = 0; g < space->group_count; g++) {

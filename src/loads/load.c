@@ -4,12 +4,12 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
-#include "point/air.h"
 #include "point/layout.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
 #include "particles/points.h"
-#include "particles/selection.h"
+#include "selection/air_points.h"
+#include "selection/selection.h"
 #include "space/point_shape.h"
 #include "space/rules.h"
 #include "space/space.h"
@@ -130,7 +130,8 @@ static PetscBool FaceSelected(const MpmLoad *load, const FaceRegion *region, Pet
   material ends there: no point beside the region's extent along the other axes reaches further.
 */
 static PetscErrorCode FindOutermost(const MpmLoad *load, const FaceRegion *region, const MpmGrid *grid,
-                                    const MpmPoints *points, PetscReal outermost[2], PetscBool ends[2])
+                                    const MpmPoints *points, const MpmMaterial *materials, PetscReal outermost[2],
+                                    PetscBool ends[2])
 {
   const PetscInt dim      = grid->dim;
   PetscReal      reach[4] = {PETSC_NINFINITY, PETSC_NINFINITY, PETSC_NINFINITY, PETSC_NINFINITY};
@@ -142,6 +143,7 @@ static PetscErrorCode FindOutermost(const MpmLoad *load, const FaceRegion *regio
       const PetscReal face   = (PetscReal)side * FacePosition(load, dim, side, points, p);
       PetscBool       beside = PETSC_TRUE;
 
+      if (MpmPointIsAir(materials, points, p)) continue;
       for (PetscInt a = 0; a < dim; a++) {
         const PetscReal x = points->x0[p * dim + a];
 
@@ -165,7 +167,8 @@ static PetscErrorCode FindOutermost(const MpmLoad *load, const FaceRegion *regio
   face's axis is the face itself; in a thicker one it is the outermost face of the points inside, on the side where the
   material ends.
 */
-static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPoints *points, PetscReal share[])
+static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPoints *points,
+                                 const MpmMaterial *materials, PetscReal share[])
 {
   const PetscInt  dim = grid->dim, axis = load->face_axis;
   const PetscReal slack        = MPM_TOLERANCE * grid->h[axis];
@@ -180,7 +183,7 @@ static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPo
   }
   PetscCall(MpmRegionGetBounds(load->where.region, region.lower, region.upper));
   region.thin = (PetscBool)(region.upper[axis] - region.lower[axis] <= 4. * slack);
-  PetscCall(FindOutermost(load, &region, grid, points, outermost, ends));
+  PetscCall(FindOutermost(load, &region, grid, points, materials, outermost, ends));
   if (!load->face_given) {
     MpmCheckInput(region.thin || ends[0] != ends[1],
                   "-mpm_load_%s_face is missing: the material %s on axis %c of the region", load->name,
@@ -191,6 +194,7 @@ static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPo
     const PetscReal face = (PetscReal)load->face_side * FacePosition(load, dim, load->face_side, points, p);
 
     share[p] = 0.;
+    if (MpmPointIsAir(materials, points, p)) continue;
     if (!FaceSelected(load, &region, dim, load->face_side, points, p)) continue;
     if (face < outermost[load->face_side > 0] - slack) continue;
     share[p] = 1.;
@@ -204,7 +208,7 @@ static PetscErrorCode SelectFace(MpmLoad *load, const MpmGrid *grid, const MpmPo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *particles)
+PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, const MpmMaterials *materials, MpmParticles *particles)
 {
   MpmPoints  points;
   PetscReal *share;
@@ -213,8 +217,8 @@ PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *p
   if (load->type == MPM_LOAD_GRAVITY) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(particles, &points));
   PetscCall(MpmParticlesGetField(particles, load->share_field, &share));
-  if (load->type == MPM_LOAD_TRACTION) PetscCall(SelectFace(load, grid, &points, share));
-  else PetscCall(MpmSelectionShare(&load->where, grid, &points, particles->total, "load", load->name, share));
+  if (load->type == MPM_LOAD_TRACTION) PetscCall(SelectFace(load, grid, &points, materials->at, share));
+  else PetscCall(MpmSelectionShare(&load->where, grid, &points, materials, "load", load->name, share));
   PetscCall(MpmParticlesRestoreField(particles, &share));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -274,7 +278,7 @@ PetscErrorCode MpmLoadApply(const MpmLoad *load, PetscReal factor, const MpmRule
       const PetscReal  amount =
         Sign(load, sum) * factor * (share ? share[p] : MpmPointMassStart(points, sum->materials, p));
 
-      if (amount == 0. || (!share && MpmMaterialIsAir(&sum->materials[points->material[p]]))) continue;
+      if (amount == 0. || (!share && MpmPointIsAir(sum->materials, points, p))) continue;
       if (load->type == MPM_LOAD_TRACTION) PetscCall(MpmLoadFaceWeights(load, &at, weight));
       else if (MpmLoadActsAtEnds(load, rules)) PetscCall(MpmLoadEndWeights(load, &at, weight));
       else MpmSpaceEvaluate(space, group, p, &basis);

@@ -4,7 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "particles/selection.h"
+#include "selection/selection.h"
 #include "talus/talus.h"
 
 typedef enum { MPM_LOAD_FORCE, MPM_LOAD_GRAVITY, MPM_LOAD_TRACTION, MPM_LOAD_FLUX } MpmLoadType;
@@ -42,7 +42,8 @@ struct MpmLoadActing {
 PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const MpmGrid *grid, MpmLoad *load);
 PetscErrorCode MpmLoadDestroy(MpmLoad *load);
 /* Finds the points that carry the load, in the initial state. */
-PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, MpmParticles *particles);
+PetscErrorCode MpmLoadSelect(MpmLoad *load, const MpmGrid *grid, const MpmMaterials *materials,
+                             MpmParticles *particles);
 
 /* The axis along which gravity acts most, of all loads, and which way is up on it, 1 or -1; the last axis without any.
    */

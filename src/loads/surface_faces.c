@@ -57,7 +57,7 @@ static PetscErrorCode FindOuter(const MpmSurfaceFaces *faces, const MpmRules *ru
   for (PetscInt k = 0; k < faces->surfaces->count; k++)
     for (PetscInt p = 0; p < points->count; p++)
       if (Has(faces, k, points->id[p])) asked[p] |= points->domain.faces[p] & faces->surfaces->at[k].faces;
-  PetscCall(MpmOuterFacesFind(rules->grid, points, points->domain.part, asked, outer));
+  PetscCall(MpmOuterFacesFind(rules->grid, points, rules->materials, points->domain.part, asked, outer));
   PetscCall(PetscFree(asked));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -221,7 +221,8 @@ static PetscErrorCode SelectPoints(MpmModel model)
 {
   PetscFunctionBeginUser;
   for (PetscInt t = 0; t < model->results->tracks.count; t++)
-    PetscCall(MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->state.particles));
+    PetscCall(
+      MpmTrackSelect(&model->results->tracks.at[t], model->disc.grid, model->scene.materials, model->state.particles));
   PetscCall(MpmLinesSelect(model));
   for (PetscInt m = 0; m < model->scene.motions->count; m++)
     PetscCall(MpmBodyMotionSelect(&model->scene.motions->at[m], model->scene.bodies, model->state.particles));
@@ -399,7 +400,8 @@ PetscErrorCode MpmPointsCreate(MpmModel model)
   PetscCall(CheckGrounds(model));
   PetscCall(MpmBodiesCheckOverlap(model));
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++)
-    PetscCall(MpmBoundaryCheck(&model->scene.boundaries->at[k], model->disc.grid, model->state.particles));
+    PetscCall(MpmBoundaryCheck(&model->scene.boundaries->at[k], model->scene.materials, model->disc.grid,
+                               model->state.particles));
   PetscCall(SelectPoints(model));
   PetscCall(MpmInflowPark(model));
   if (model->results->checkpoint.restart) PetscCall(MpmRestartReadPoints(model));

@@ -6,7 +6,7 @@
 #include "geometry/geometry.h"
 #include "grid/grid.h"
 #include "particles/body.h"
-#include "particles/selection.h"
+#include "selection/selection.h"
 #include "problem/section.h"
 #include "query/model.h"
 #include "observe/lines.h"

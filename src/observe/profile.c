@@ -14,7 +14,7 @@
 #include "grid/grid.h"
 #include "particles/particles.h"
 #include "particles/points.h"
-#include "particles/selection.h"
+#include "selection/selection.h"
 #include "observe/profile.h"
 
 #define SUPPORT 1.5  /* cells to each side */

@@ -9,7 +9,7 @@
 #include "particles/particles.h"
 #include "query/point_vector.h"
 #include "particles/points.h"
-#include "particles/selection.h"
+#include "selection/selection.h"
 #include "particles/body.h"
 #include "volume/inertia.h"
 #include "query/model.h"
@@ -56,7 +56,8 @@ PetscErrorCode MpmTrackDestroy(MpmTrack *track)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles)
+PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, const MpmMaterials *materials,
+                              MpmParticles *particles)
 {
   MpmPoints  points;
   PetscReal *share;
@@ -64,7 +65,7 @@ PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(particles, &points));
   PetscCall(MpmParticlesGetField(particles, track->share_field, &share));
-  PetscCall(MpmSelectionShare(&track->where, grid, &points, particles->total, "track", track->name, share));
+  PetscCall(MpmSelectionShare(&track->where, grid, &points, materials, "track", track->name, share));
   PetscCall(MpmParticlesRestoreField(particles, &share));
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -4,7 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "particles/selection.h"
+#include "selection/selection.h"
 #include "talus/talus.h"
 
 /* A set of points that is followed; the field holds each point's share of the mean. */
@@ -16,7 +16,8 @@ typedef struct {
 } MpmTrack;
 
 PetscErrorCode MpmTrackDestroy(MpmTrack *track);
-PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, MpmParticles *particles);
+PetscErrorCode MpmTrackSelect(MpmTrack *track, const MpmGrid *grid, const MpmMaterials *materials,
+                              MpmParticles *particles);
 /*
   Mean over the present points; nan once none is left. `waiting`: some points may not have joined a stage yet. `fewer`:
   points have gone since the last call.

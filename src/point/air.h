@@ -1,6 +1,6 @@
 #pragma once
 /*
-  Air: a soft material in place of void, which carries no weight and is not written.
+  Air: a soft material in place of void, without loads, contacts and tracks, and not written.
 */
 #include "point/material.h"
 

@@ -582,8 +582,8 @@ PetscErrorCode MpmMaterialReadAir(const MpmOptions *options, MpmMaterial *materi
   PetscCall(MpmTextAppend(&prefix, "mpm_material_%s_", material->name));
   block.prefix = prefix;
   PetscCall(MpmOptionsBool(&block, "air",
-                           "a soft material in place of void: no load of gravity acts on it, and it is written with "
-                           "-mpm_output_air alone",
+                           "a soft material in place of void: without loads, surfaces, boundaries, contacts and "
+                           "tracks, and written with -mpm_output_air alone",
                            &air, NULL));
   if (air) material->info.traits |= MPM_MATERIAL_AIR;
   PetscCall(PetscFree(prefix));

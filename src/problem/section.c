@@ -22,7 +22,7 @@
 #include "geometry/rotations.h"
 #include "grid/grid.h"
 #include "particles/particles.h"
-#include "particles/selection.h"
+#include "selection/selection.h"
 #include "space/kernel_point.h"
 #include "space/point_loop.h"
 #include "space/unit.h"

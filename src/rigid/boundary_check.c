@@ -6,6 +6,7 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "rigid/rigid.h"
+#include "selection/air_points.h"
 
 /* How far a box of these half-lengths reaches along n. */
 static PetscReal Reach(PetscInt dim, const PetscReal half[], const PetscReal n[])
@@ -30,7 +31,8 @@ static PetscReal InitialShare(const MpmBoundary *boundary, const MpmPoints *poin
   return PetscMin(1., PetscMax(0., *distance / *reach));
 }
 
-PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles)
+PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmMaterials *materials, const MpmGrid *grid,
+                                MpmParticles *particles)
 {
   PetscInt  count[3] = {0, 0, 0}; /* contact candidates, behind the boundary, at it */
   MpmPoints points;
@@ -40,6 +42,7 @@ PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid
   for (PetscInt p = 0; p < points.count; p++) {
     PetscReal distance, reach;
 
+    if (MpmPointIsAir(materials->at, &points, p)) continue;
     if (!MpmRegionContains(boundary->region, &points.origin[p * grid->dim])) continue;
     (void)InitialShare(boundary, &points, p, &distance, &reach);
     count[0]++;

@@ -61,4 +61,5 @@ MpmPose        MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time);
 /* Seen from the place x, the boundary standing there. */
 void MpmBoundaryDistance(const MpmBoundary *boundary, const MpmPose *pose, const PetscReal x[], MpmSurface *surface);
 /* Refuses points of the scene that do not suit a boundary. */
-PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmGrid *grid, MpmParticles *particles);
+PetscErrorCode MpmBoundaryCheck(const MpmBoundary *boundary, const MpmMaterials *materials, const MpmGrid *grid,
+                                MpmParticles *particles);

@@ -146,7 +146,7 @@ PetscErrorCode MpmInflowEnter(MpmModel model, MpmOutcome *outcome)
     PetscCall(MpmEntrainmentEnter(model, first, parked->count, inflow->time[inflow->entered - 1]));
   }
   PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, outcome));
-  PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
+  PetscCall(MpmOuterFacesUpdate(model->state.particles, model->scene.materials, model->disc.grid));
   PetscCall(MpmEnergyRebase(model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -125,7 +125,7 @@ PetscErrorCode MpmRemovalSet(MpmModel model, PetscReal time, MpmOutcome *outcome
     if (model->state.scheme.fading[b].ramp) PetscCall(SetBody(model, b, time, &moved));
   if (moved) {
     PetscCall(MpmParticlesDistribute(model->state.particles, model->disc.grid, outcome));
-    PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
+    PetscCall(MpmOuterFacesUpdate(model->state.particles, model->scene.materials, model->disc.grid));
   }
   PetscCall(MpmEnergyRebase(model));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -149,7 +149,8 @@ PetscErrorCode MpmStagesSelect(MpmModel model)
     PetscCall(ParkAbsent(model, k));
     for (PetscInt l = 0; l < model->scene.loads->count; l++) {
       if (FirstStage(model, l) == k)
-        PetscCall(MpmLoadSelect(&model->scene.loads->at[l], model->disc.grid, model->state.particles));
+        PetscCall(
+          MpmLoadSelect(&model->scene.loads->at[l], model->disc.grid, model->scene.materials, model->state.particles));
     }
     PetscCall(ReturnAll(model));
   }
@@ -289,7 +290,7 @@ PetscErrorCode MpmStageBegin(MpmModel model, PetscInt k)
   }
   PetscCall(Activate(model, stage));
   for (PetscInt b = 0; b < model->scene.bcs->count; b++) model->state.acting.bcs[b].volume = 0.;
-  PetscCall(MpmOuterFacesUpdate(model->state.particles, model->disc.grid));
+  PetscCall(MpmOuterFacesUpdate(model->state.particles, model->scene.materials, model->disc.grid));
   PetscCall(MpmTimeErrorBegin(model));
   PetscCall(MpmDynamicsBegin(model));
   MpmRelaxationBegin(model);

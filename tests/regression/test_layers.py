@@ -18,7 +18,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ROOT, Test  # noqa: E402
 
-LAYERS = ("base", "options", "io", "maps", "voxels", "geometry", "ground", "point", "grid", "release", "handover", "particles", "space", "action", "extension", "transfer", "bc", "assembly", "points", "terrain", "volume", "rigid",
+LAYERS = ("base", "options", "io", "maps", "voxels", "geometry", "ground", "point", "grid", "release", "handover", "particles", "selection", "space", "action", "extension", "transfer", "bc", "assembly", "points", "terrain", "volume", "rigid",
           "facets", "contact", "pairs", "loads", "problem", "precondition", "levels", "solve", "query", "scene", "entrainment", "step", "integrators", "schedule", "runout", "observe", "stepmap", "watermap", "sensitivity", "laboratory", "checkpoint", "ensemble", "model", "members", "inverse", "run")
 KERNELS = ("materials", "physics")
 ENGINE_KERNELS = ("src/point/k0_law.c", "src/point/column_law.c", "src/point/stretch.c")  # compiled like a law, once for each number of directions

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  Points picked in the initial state, by place or by region.
+  Points picked in the initial state, by place or by region. Points of air are none of them (point/air.h).
 */
 #include "base/base.h"
 #include "base/types.h"
@@ -15,11 +15,12 @@ typedef struct {
 /* Reads `at` and `nearest`, or a region; exactly one of the two ways. */
 PetscErrorCode MpmSelectionRead(const MpmOptions *block, const MpmGrid *grid, MpmSelection *selection);
 /*
-  Each point's share in the selection, 0 outside: 1/nearest, or the point's fraction of the volume of all points in the
-  region. `total` is the number of points; errors name the option -mpm_<prefix>_<name>_nearest or _region.
+  Each point's share in the selection, 0 outside and for air: 1/nearest, or the point's fraction of the volume of all
+  points in the region. Errors name the option -mpm_<prefix>_<name>_at, _nearest or _region.
 */
 PetscErrorCode MpmSelectionShare(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
-                                 PetscInt64 total, const char *prefix, const char *name, PetscReal share[]);
+                                 const MpmMaterials *materials, const char *prefix, const char *name,
+                                 PetscReal share[]);
 
 /* Reads -<prefix>body, the name of a body; its number, or -1 where none is given. */
 PetscErrorCode MpmBodyNameRead(const MpmOptions *block, const char *help, const MpmBodies *bodies, PetscInt *body);

@@ -7,7 +7,8 @@
 #include "particles/body.h"
 #include "particles/particles.h"
 #include "particles/points.h"
-#include "particles/selection.h"
+#include "selection/air_points.h"
+#include "selection/selection.h"
 
 PetscErrorCode MpmSelectionRead(const MpmOptions *block, const MpmGrid *grid, MpmSelection *selection)
 {
@@ -51,12 +52,13 @@ static int CompareCandidates(const void *a, const void *b)
 
 /* share = 1/nearest at the nearest points, 0 elsewhere */
 static PetscErrorCode ShareNearest(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
-                                   PetscReal share[])
+                                   const MpmMaterial *materials, PetscReal share[])
 {
-  const PetscInt dim = grid->dim, nearest = selection->nearest, mine = PetscMin(nearest, points->count);
-  PetscReal      unit = grid->h[0];
+  const PetscInt dim = grid->dim, nearest = selection->nearest;
+  PetscInt       count = 0, mine;
+  PetscReal      unit  = grid->h[0];
   Candidate     *local, *all;
-  PetscMPIInt   *counts, *starts, bytes = (PetscMPIInt)((size_t)mine * sizeof(Candidate));
+  PetscMPIInt   *counts, *starts, bytes;
 
   PetscFunctionBeginUser;
   for (PetscInt a = 1; a < dim; a++) unit = PetscMin(unit, grid->h[a]);
@@ -64,10 +66,13 @@ static PetscErrorCode ShareNearest(const MpmSelection *selection, const MpmGrid 
   for (PetscInt p = 0; p < points->count; p++) {
     PetscReal d2 = 0.;
 
+    if (MpmPointIsAir(materials, points, p)) continue;
     for (PetscInt a = 0; a < dim; a++) d2 += PetscSqr((points->x0[p * dim + a] - selection->at[a]) / unit);
-    local[p] = (Candidate){(PetscInt64)PetscMin(d2 * 1e9, 9e18), points->id[p], p};
+    local[count++] = (Candidate){(PetscInt64)PetscMin(d2 * 1e9, 9e18), points->id[p], p};
   }
-  if (points->count) qsort(local, (size_t)points->count, sizeof(*local), CompareCandidates);
+  mine  = PetscMin(nearest, count);
+  bytes = (PetscMPIInt)((size_t)mine * sizeof(Candidate));
+  if (count) qsort(local, (size_t)count, sizeof(*local), CompareCandidates);
   PetscCall(PetscMalloc2(grid->size, &counts, (grid->size + 1), &starts));
   PetscCallMPI(MPI_Allgather(&bytes, 1, MPI_INT, counts, 1, MPI_INT, grid->comm));
   starts[0] = 0;
@@ -86,7 +91,7 @@ static PetscErrorCode ShareNearest(const MpmSelection *selection, const MpmGrid 
 
 /* How far the place is from the nearest domain, in cells along the axis on which it is farthest. */
 static PetscErrorCode DistanceInCells(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
-                                      PetscReal *distance)
+                                      const MpmMaterial *materials, PetscReal *distance)
 {
   const PetscInt dim = grid->dim;
 
@@ -95,6 +100,7 @@ static PetscErrorCode DistanceInCells(const MpmSelection *selection, const MpmGr
   for (PetscInt p = 0; p < points->count; p++) {
     PetscReal far = 0.;
 
+    if (MpmPointIsAir(materials, points, p)) continue;
     for (PetscInt a = 0; a < dim; a++) {
       const PetscReal half = points->domain.half_length
                                ? points->domain.half_length[p * dim + a]
@@ -110,13 +116,13 @@ static PetscErrorCode DistanceInCells(const MpmSelection *selection, const MpmGr
 
 /* The place must stand in the material or within a cell of it. */
 static PetscErrorCode CheckPlace(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
-                                 const char *prefix, const char *name)
+                                 const MpmMaterial *materials, const char *prefix, const char *name)
 {
   char     *text = NULL, number[MPM_NUMBER_TEXT];
   PetscReal distance;
 
   PetscFunctionBeginUser;
-  PetscCall(DistanceInCells(selection, grid, points, &distance));
+  PetscCall(DistanceInCells(selection, grid, points, materials, &distance));
   if (distance <= 1. + MPM_TOLERANCE) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < grid->dim; a++) {
     MpmRealText(selection->at[a], number);
@@ -129,13 +135,16 @@ static PetscErrorCode CheckPlace(const MpmSelection *selection, const MpmGrid *g
 }
 
 /* share = the point's part of the volume of all points in the region */
-static PetscErrorCode ShareRegion(MpmRegion region, const MpmGrid *grid, const MpmPoints *points, PetscReal share[],
-                                  PetscReal *volume)
+static PetscErrorCode ShareRegion(MpmRegion region, const MpmGrid *grid, const MpmPoints *points,
+                                  const MpmMaterial *materials, PetscReal share[], PetscReal *volume)
 {
   PetscFunctionBeginUser;
   *volume = 0.;
   for (PetscInt p = 0; p < points->count; p++) {
-    share[p] = MpmRegionContains(region, &points->x0[p * grid->dim]) ? points->volume0[p] : 0.;
+    const PetscBool in =
+      (PetscBool)(!MpmPointIsAir(materials, points, p) && MpmRegionContains(region, &points->x0[p * grid->dim]));
+
+    share[p] = in ? points->volume0[p] : 0.;
     *volume += share[p];
   }
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, volume, 1, MPIU_REAL, MPIU_SUM, grid->comm));
@@ -144,21 +153,24 @@ static PetscErrorCode ShareRegion(MpmRegion region, const MpmGrid *grid, const M
 }
 
 PetscErrorCode MpmSelectionShare(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
-                                 PetscInt64 total, const char *prefix, const char *name, PetscReal share[])
+                                 const MpmMaterials *materials, const char *prefix, const char *name, PetscReal share[])
 {
-  PetscReal volume;
+  PetscReal  volume;
+  PetscInt64 total = 0;
 
   PetscFunctionBeginUser;
   if (selection->region) {
-    PetscCall(ShareRegion(selection->region, grid, points, share, &volume));
+    PetscCall(ShareRegion(selection->region, grid, points, materials->at, share, &volume));
     MpmCheckInput(volume > 0., "-mpm_%s_%s_region: there is no point in it", prefix, name);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  for (PetscInt p = 0; p < points->count; p++) total += !MpmPointIsAir(materials->at, points, p);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &total, 1, MPIU_INT64, MPI_SUM, grid->comm));
   MpmCheckInput(selection->nearest <= total,
                 "-mpm_%s_%s_nearest %" PetscInt_FMT ": there are only %" PetscInt64_FMT " points", prefix, name,
                 selection->nearest, total);
-  PetscCall(CheckPlace(selection, grid, points, prefix, name));
-  PetscCall(ShareNearest(selection, grid, points, share));
+  PetscCall(CheckPlace(selection, grid, points, materials->at, prefix, name));
+  PetscCall(ShareNearest(selection, grid, points, materials->at, share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
