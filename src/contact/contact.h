@@ -43,6 +43,13 @@ typedef struct {
   PetscBool bare;            /* there were none in the last step that was taken: points keep nothing of contact */
 } MpmContactNewton;
 
+/* Largest mean pressure on a patch, Pa, and height of the highest contact above the lowest one, m. */
+typedef struct {
+  PetscReal pressure, high;
+} MpmContactFace;
+
+#define MPM_CONTACT_RECENT 0.05 /* of a step in means of pressures over time */
+
 /* Facets of this rank's points, and their patches. */
 typedef struct MpmContacts {
   MpmFacets facets;
@@ -51,6 +58,7 @@ typedef struct MpmContacts {
   PetscReal (*reaction)[MPM_MAX_DIM],
     *depth;                         /* of the last step: forces on the material; deepest mean gaps behind, m */
   PetscReal (*moment)[MPM_MAX_DIM]; /* of those forces about the boundary's reference point */
+  MpmContactFace  *face;            /* by boundary, of the last step; NULL: none asks for it */
   PetscReal        tilt;            /* distance that facets may have from the surface where their patch is on it, m */
   const PetscReal *moved;           /* explicit steps: displacements, contact having acted at others; or NULL */
   MpmContactNewton newton;
@@ -188,5 +196,8 @@ PetscErrorCode MpmContactsKeep(const MpmContacts *contacts, const MpmSum *sum, c
 */
 PetscErrorCode MpmContactsAugment(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool first, PetscReal *worst);
 PetscBool      MpmPatchIsCorrected(const MpmContacts *contacts, const MpmPatch *patch);
+/* Pressures and heights of the converged step, where `face` asks for them (contact_face.c). Collective. */
+PetscErrorCode MpmContactsFindFaces(MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
+                                    MpmParticles *particles);
 /* Weights of the facets, and their slips at the step's start (a term's `prepare`). */
 PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step);

@@ -10,8 +10,6 @@
 #include "contact/contact.h"
 #include "contact/rigid_body.h"
 
-#define RECENT 0.05 /* of a step in the mean of pressures */
-
 /* ---- from the points ---- */
 
 /* A number that a facet's point keeps. */
@@ -262,19 +260,21 @@ static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *s
 }
 
 /*
-  Means of the pressure over time, of friction by a law of the bed: contact that comes and goes from step to step has
-  its pressure in some of them only.
+  Means of the pressure over time, of friction by a law of the bed and of faces (contact_face.c): contact that comes and
+  goes from step to step has its pressure in some of them only.
 */
 static PetscErrorCode KeepMeans(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
                                 MpmParticles *particles)
 {
   PetscFunctionBeginUser;
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
-    PetscReal *pressure;
+    const MpmBoundary *boundary = &contacts->facets.boundaries[b];
+    const PetscReal    first    = boundary->basal ? 1. : MPM_CONTACT_RECENT;
+    PetscReal         *pressure;
 
-    if (!contacts->facets.boundaries[b].basal) continue;
+    if ((!boundary->basal && !boundary->fields.face) || boundary->augmented) continue;
     PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].fields.pressure, &pressure));
-    for (PetscInt p = 0; p < sum->points->count; p++) pressure[p] *= 1. - RECENT;
+    for (PetscInt p = 0; p < sum->points->count; p++) pressure[p] *= 1. - MPM_CONTACT_RECENT;
     for (PetscInt k = 0; k < contacts->patch_count; k++) {
       const MpmPatch *patch = &contacts->patch[k];
       const PetscReal value = -patch->stiffness * answers[k].gap;
@@ -283,7 +283,7 @@ static PetscErrorCode KeepMeans(const MpmContacts *contacts, const MpmSum *sum, 
            patch->boundary == b && MpmPatchFlows(contacts, patch) && answers[k].active && f < patch->end; f++) {
         PetscReal *mean = &pressure[contacts->facets.at[f].point];
 
-        *mean += (*mean > 0. ? RECENT : 1.) * value;
+        *mean += (*mean > 0. ? MPM_CONTACT_RECENT : first) * value;
       }
     }
     PetscCall(MpmParticlesRestoreField(particles, &pressure));
@@ -343,7 +343,7 @@ PetscErrorCode MpmContactsKeep(const MpmContacts *contacts, const MpmSum *sum, c
                                MpmParticles *particles)
 {
   PetscFunctionBeginUser;
-  if (!contacts->newton.near && contacts->newton.bare) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!contacts->newton.near && contacts->newton.bare && !contacts->face) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) PetscCall(ShareParts(contacts, b, sum, answers));
   PetscCall(KeepSlips(contacts, sum, answers, particles));
   PetscCall(KeepPressures(contacts, sum, answers, particles));

@@ -38,6 +38,8 @@ PetscErrorCode MpmContactsCreate(PetscInt count, const MpmBoundary boundaries[],
   PetscCall(PetscCalloc1(count, &contacts->reaction));
   PetscCall(PetscCalloc1(count, &contacts->depth));
   PetscCall(PetscCalloc1(count, &contacts->moment));
+  for (PetscInt b = 0; b < count; b++)
+    if (boundaries[b].fields.face && !contacts->face) PetscCall(PetscCalloc1(count, &contacts->face));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -48,6 +50,7 @@ PetscErrorCode MpmContactsDestroy(MpmContacts *contacts)
   PetscCall(PetscFree(contacts->reaction));
   PetscCall(PetscFree(contacts->depth));
   PetscCall(PetscFree(contacts->moment));
+  PetscCall(PetscFree(contacts->face));
   PetscCall(PetscFree(contacts->patch));
   PetscCall(PetscFree(contacts->weight));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -362,6 +362,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     AddReaction(contacts, &contacts->patch[k], sum, u, &work, &answers[k]);
   PetscCall(MpmContactsKeep(contacts, sum, answers, particles));
+  if (contacts->face) PetscCall(MpmContactsFindFaces(contacts, sum, answers, particles));
   contacts->newton.bare = (PetscBool)!contacts->newton.near;
   PetscCall(PetscFree(answers));
   PetscCall(MpmPatchWorkDestroy(&work));

@@ -145,6 +145,20 @@ static PetscErrorCode FillDepth(MpmModel model, const MpmColumn *column, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode FillPressure(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscFunctionBeginUser;
+  values[0] = model->disc.context.contacts->face[column->index].pressure;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FillRunup(MpmModel model, const MpmColumn *column, PetscReal values[])
+{
+  PetscFunctionBeginUser;
+  values[0] = model->disc.context.contacts->face[column->index].high;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode FillMoment(MpmModel model, const MpmColumn *column, PetscReal values[])
 {
   const PetscInt count = MpmRotationCount(model->disc.dim);
@@ -185,10 +199,14 @@ static PetscErrorCode AddBoundary(MpmModel model, PetscInt b, MpmColumns *column
              {"position", "m", dim, MpmAxisParts, FillPosition, NULL, b},
              {"rotation", "degrees", turning, turns, FillRotation, NULL, b},
   };
-  const size_t count = PETSC_STATIC_ARRAY_LENGTH(rows) - (model->scene.boundaries->at[b].freedom ? 0 : 2);
+  const MpmColumn faces[] = {{"pressure_max", "Pa", 0, NULL, FillPressure, NULL, b},
+                             {"runup", "m", 0, NULL, FillRunup, NULL, b}};
+  const size_t    count   = PETSC_STATIC_ARRAY_LENGTH(rows) - (model->scene.boundaries->at[b].freedom ? 0 : 2);
 
   PetscFunctionBeginUser;
   for (size_t k = 0; k < count; k++) PetscCall(MpmColumnsAdd(columns, model->scene.boundaries->names[b], &rows[k]));
+  for (size_t k = 0; model->scene.boundaries->at[b].fields.face && k < PETSC_STATIC_ARRAY_LENGTH(faces); k++)
+    PetscCall(MpmColumnsAdd(columns, model->scene.boundaries->names[b], &faces[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -10,10 +10,11 @@
 
 /* Fields of the points that keep something of a boundary's contact; NULL where there is nothing to keep. */
 typedef struct {
-  char *slip[MPM_MAX_DIM]; /* where tangential */
-  char *pressure;          /* where augmented; its mean over time where friction is by a law of the bed */
-  char *gap;               /* where bilateral */
-  char *broken;            /* where it has a tension: 1 where it has let go */
+  PetscBool face;              /* the history has the largest pressure and the run-up (contact_face.c) */
+  char     *slip[MPM_MAX_DIM]; /* where tangential */
+  char     *pressure; /* where augmented; its mean over time where friction is by a law of the bed, or `face` */
+  char     *gap;      /* where bilateral */
+  char     *broken;   /* where it has a tension: 1 where it has let go */
 } MpmBoundaryFields;
 
 /* Water that passes a boundary where the material touches it. */

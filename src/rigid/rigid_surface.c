@@ -135,7 +135,8 @@ static PetscErrorCode NameFields(MpmBoundary *boundary, PetscBool tears)
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(field, sizeof(field), "pressure_%s", boundary->name));
-  if (boundary->augmented || boundary->basal) PetscCall(PetscStrallocpy(field, &boundary->fields.pressure));
+  if (boundary->augmented || boundary->basal || boundary->fields.face)
+    PetscCall(PetscStrallocpy(field, &boundary->fields.pressure));
   PetscCall(PetscSNPrintf(field, sizeof(field), "held_%s", boundary->name));
   if (boundary->bilateral) PetscCall(PetscStrallocpy(field, &boundary->fields.gap));
   PetscCall(PetscSNPrintf(field, sizeof(field), "broken_%s", boundary->name));
@@ -193,6 +194,9 @@ PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, co
   PetscCall(ReadMotion(&block, boundary));
   PetscCall(MpmFreedomRead(&block, boundary, &boundary->freedom));
   PetscCall(ReadMethod(&block, boundary));
+  PetscCall(MpmOptionsBool(&block, "face",
+                           "the history has the largest pressure on the surface and the height of contact along it",
+                           &boundary->fields.face, NULL));
   PetscCall(ReadPoints(options, name, grid, boundary));
   PetscCall(NameFields(boundary, tears));
   if (MpmOptionsHelp()) PetscCall(MpmAddedBodiesPrint(&block));

@@ -46,7 +46,7 @@ TANK = """mpm:
   body_water: {region: columns, depth: depth.asc, columns_per_cell: "2,2", spacing: 0.125, material: water}
   boundaries: ground,wall
   boundary_ground: {type: terrain}
-  boundary_wall: {type: box, lower: "2.03,-1,-1", upper: "4,2,4"}
+  boundary_wall: {type: box, lower: "2.03,-1,-1", upper: "4,2,4", face: true}
   bcs: sides,left
   bc_sides: {region: all, components: "y"}
   bc_left: {region: box, lower: "0,0,0", upper: "0,1,2", components: "x"}
@@ -129,10 +129,18 @@ def tank(test):
     x, y = np.arange(-0.03125, 3.0, 0.0625), np.arange(-0.03125, 0.4, 0.0625)
     write_ascii(folder / "depth.asc", x, y, np.tile(np.where(x < 2.03, 1.0, -9.0), (len(y), 1)))
     run = test.run(folder / "tank.yaml")
+    depth = 2.0 / 2.03
     late = run.results.column("time") > 0.5
     dt = run.results.column("dt")[late]
     mean = {name: float((run.results.column(name)[late] * dt).sum() / dt.sum()) for name in ("reaction_wall_x", "reaction_ground_z")}
     test.near("tank.wall", mean["reaction_wall_x"], -0.5 * 1000 * G * (2.0 / 2.03) ** 2 * 0.25, relative=0.02)
+    face = {name: float((run.results.column(name)[late] * dt).sum() / dt.sum()) for name in ("pressure_max_wall", "runup_wall")}
+    test.near("tank.pressure", face["pressure_max_wall"], 1000 * G * (depth - 0.075), relative=0.05)  # middle of the lowest patch
+    test.near("tank.runup", face["runup_wall"], depth, relative=0.03)
+    test.check("tank.unasked", "runup_ground" in run.results.history, 0, 0)
+    one, three = (test.run(folder / "tank.yaml", ranks=ranks, mpm_time_end=0.1).results.column for ranks in (1, 3))
+    for name in ("pressure_max_wall", "runup_wall"):
+        test.check(f"tank.ranks.{name}", difference(one(name), three(name)), 0, 1e-9)
     test.near("tank.floor", mean["reaction_ground_z"], 1000 * G * 2.0 * 0.25, relative=0.01)
 
 
