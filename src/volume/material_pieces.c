@@ -87,18 +87,25 @@ static void Mark(const MpmMaterialPieces *map, const MpmMaterial materials[], co
 }
 
 /*
-  True where points stand as far apart as at one a cell, from the start or, in a material without history, by stretch.
-  Points of a material that flows have deformed further than its elastic part.
+  True where points stand as far apart as at one a cell, from the start or by stretch. Elements of order 2 and more take
+  the lengths of domains as distances, also of a material that flows. With other shapes such a material has none: its
+  points have deformed further than its elastic part.
 */
-static PetscBool IsSparse(const MpmRules *rules, const MpmPoints *points, PetscInt p)
+static PetscBool IsSparse(const MpmSpace *space, const MpmRules *rules, const MpmPoints *points, PetscInt p)
 {
   const PetscInt     dim      = rules->grid->dim;
   const MpmMaterial *material = &rules->materials[points->material[p]];
   const PetscReal    spacing  = MpmShapeSpacing(rules->shape, material->spacing);
+  const PetscInt     order    = MpmShapeOrder(rules->shape);
   PetscReal          U[MPM_MAX_DIM], most = 0.;
 
   if (spacing >= 1.) return PETSC_TRUE;
-  if (spacing < MPM_SPARSE_LEAST || material->state_size || rules->stretch(MpmPointF(points, p), U)) return PETSC_FALSE;
+  if (spacing < MPM_SPARSE_LEAST) return PETSC_FALSE;
+  if (space->shapes.half && order > 1) {
+    for (PetscInt a = 0; a < dim; a++) most = PetscMax(most, space->shapes.half[p * dim + a]);
+    return (PetscBool)((PetscReal)(order + 1) * most > SPARSE_SPACING);
+  }
+  if (material->state_size || rules->stretch(MpmPointF(points, p), U)) return PETSC_FALSE;
   for (PetscInt a = 0; a < dim; a++) most = PetscMax(most, U[a]);
   return (PetscBool)(spacing * most > SPARSE_SPACING);
 }
@@ -164,7 +171,8 @@ static PetscErrorCode MarkOwnPoints(const MpmSpace *space, const MpmRules *rules
     PetscInt last = 0;
 
     for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-      const PetscInt p = space->order[s], mark = 1 + 2 * points->material[p] + (IsSparse(rules, points, p) ? 1 : 0);
+      const PetscInt p    = space->order[s],
+                     mark = 1 + 2 * points->material[p] + (IsSparse(space, rules, points, p) ? 1 : 0);
 
       if (mark == last) continue;
       MPM_FOR_BOX(lower, count, cell) Mark(map, rules->materials, cell, mark);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Elements of order 2 and more with inertia, cut cells, water, damage, derivatives of a run, and a restart on other ranks.
+"""Elements of order 2 and more with inertia, cut cells, large strains, water, damage, derivatives of a run, and a restart on other ranks.
 
 One broken cell of length h dissipates G_c A times a factor that is the element's own: the energy of the phase field that
 is 1 in the cell and least outside of it, on a bar of element polynomials of order 2 (numpy, 40 cells to each side).
@@ -77,6 +77,14 @@ def motion(test):
         test.check(f"{name}.files", len(run.files), 0, 0)
 
 
+def drawn(test):
+    """A block spreads until its points are half a cell apart: the ghost penalty holds the modes between them."""
+    block = {**SECOND, "mpm_grid_cells": "16,8", "mpm_body_block_points_per_cell": "3,3"}
+    run = test.run(example("collapse"), **block)
+    test.check("drawn.cuts", run.results.summary["step_cuts"], 0, 0)
+    test.near("drawn.toe", run.results.column("track_toe_ux")[-1], 5.938, relative=0.03)  # with 6 x 6 points
+
+
 def cuts(test):
     """Slanted edges cut cells: Cook's membrane, nearly incompressible."""
     run = test.run(example("cook"), **{**SECOND, "mpm_output_every": 10, "mpm_grid_cells": "52,64",
@@ -152,6 +160,7 @@ def damage(test):
 
 with Test() as test:
     motion(test)
+    drawn(test)
     cuts(test)
     water(test)
     derivatives(test)
