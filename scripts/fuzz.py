@@ -625,7 +625,7 @@ def known_words(case):
 def is_known(case, name):
     """Long names are cut off in a line; of a file that is not the case's, no word is known."""
     words = known_words(case)
-    return name in words or "/etc/shadow" in case.arguments or (len(name) > 200 and any(name in word for word in words))
+    return name in words or "/etc/shadow" in case.arguments or (len(name) >= 200 and any(name in word for word in words))
 
 
 def refusal_faults(case, outcome):

@@ -1,7 +1,6 @@
 /*
   Warning of bodies with too few points for the scene's shape.
 */
-#include "options/options.h"
 #include "grid/shape.h"
 #include "particles/body.h"
 #include "query/model.h"
@@ -13,7 +12,7 @@ PetscErrorCode MpmModelWarnFewPoints(MpmModel model)
   const MpmShapeType shape = model->scene.shape.type;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; MpmShapeOrder(shape) > 1 && b < model->scene.bodies->count && !MpmOptionsHelp(); b++) {
+  for (PetscInt b = 0; MpmShapeOrder(shape) > 1 && b < model->scene.bodies->count; b++) {
     const PetscReal spacing = MpmBodySpacing(model->scene.bodies->at[b]);
 
     if (MpmShapeSpacing(shape, spacing) < 1.) continue;

@@ -517,7 +517,6 @@ static PetscErrorCode ReadScene(MpmModel model)
   } else PetscCall(ReadBodiesOnGrid(model, &options, dim, kind));
   PetscCall(PetscFree(kind));
   PetscCall(MpmEnsembleRead(model));
-  PetscCall(MpmModelWarnFewPoints(model));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOptionsCheckUnknown(&options, &warning));
   if (model->caller.terminal) PetscCall(MpmForeignOptionsCheckNames(model->record));
