@@ -12,6 +12,8 @@
 #include "maps/outline.h"
 #include "maps/raise.h"
 
+#define ROUNDING 1e-6 /* m: less is no height at a dam's foot */
+
 /* Form of a dam, m, -. */
 typedef struct {
   PetscReal height, level, crest, batter;
@@ -161,7 +163,7 @@ static PetscErrorCode ReadDam(const MpmOptions *options, const char name[], MpmB
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The pixels on which two maps differ, and those beside them, where there are any: [first, end) of columns and rows. */
+/* The pixels which a dam has raised, and those beside them, where there are any: [first, end) of columns and rows. */
 static void Window(const MpmMap *map, const PetscReal before[], PetscInt first[2], PetscInt end[2])
 {
   first[0] = map->columns;
@@ -170,7 +172,7 @@ static void Window(const MpmMap *map, const PetscReal before[], PetscInt first[2
   for (PetscInt64 k = 0; k < (PetscInt64)map->columns * map->rows; k++) {
     const PetscInt at[] = {(PetscInt)(k % map->columns), (PetscInt)(k / map->columns)};
 
-    for (PetscInt a = 0; map->value[k] != before[k] && a < 2; a++) {
+    for (PetscInt a = 0; PetscAbsReal(map->value[k] - before[k]) > ROUNDING && a < 2; a++) {
       first[a] = PetscMin(first[a], PetscMax(at[a] - 1, 0));
       end[a]   = PetscMax(end[a], PetscMin(at[a] + 2, a ? map->rows : map->columns));
     }
@@ -197,6 +199,7 @@ static PetscErrorCode KeepHeight(const char name[], const PetscReal before[], Mp
       const PetscInt64 at = (first[1] + k / height.columns) * map->columns + first[0] + k % height.columns;
 
       height.value[k] = map->value[at] - before[at];
+      if (PetscAbsReal(height.value[k]) <= ROUNDING) height.value[k] = 0.;
     }
   }
   PetscCall(PetscRealloc(sizeof(*dams->name) * (size_t)(dams->count + 1), &dams->name));
