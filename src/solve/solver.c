@@ -115,13 +115,13 @@ static PetscErrorCode ReadType(const MpmOptions *options, const char *name, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const char solver_help[] =
-  "preset of PETSc solver options; auto takes direct up to 1e6 unknowns in 2D, 5e3 in "
-  "3D and 1e5 in 3D with F-bar, then amg; for a displacement with a pore pressure up to "
-  "2e4 in 2D and 5e3 in 3D, then poro-fieldsplit "
-  "(CPU seconds of two steps in 3D, direct and amg: 1.0 and 1.0 at 4 700 unknowns, 2.8 "
-  "and 2.0 at 9 800, 11.5 and 4.6 at "
-  "17 000)";
+static const char solver_help[] = "preset of PETSc solver options; auto takes direct up to 1e6 unknowns in 2D, 5e3 in "
+                                  "3D and 1e5 in 3D with F-bar, then amg, or damage-fieldsplit with damage; for a "
+                                  "displacement with a pore pressure up to "
+                                  "2e4 in 2D and 5e3 in 3D, then poro-fieldsplit "
+                                  "(CPU seconds of two steps in 3D, direct and amg: 1.0 and 1.0 at 4 700 unknowns, 2.8 "
+                                  "and 2.0 at 9 800, 11.5 and 4.6 at "
+                                  "17 000)";
 
 PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *options)
 {
