@@ -204,7 +204,7 @@ static PetscErrorCode AddResidual(const MpmTerms *terms, PetscBool (*chosen)(con
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < terms->count; k++)
-    if (chosen(terms->term[k]) && !MpmTermsIdle(terms, k))
+    if (chosen(terms->term[k]) && terms->term[k]->residual && !MpmTermsIdle(terms, k))
       PetscCall(terms->term[k]->residual(terms->ctx[k], sum, u, residual, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -79,7 +79,7 @@ typedef struct {
             be skipped
   boxes     boxes of nodes that the term couples, and extra nodes, added to a space that is not numbered yet
   prepare   data of the term for the step, once the space is there
-  residual  residual += term(u)
+  residual  residual += term(u); NULL: forces of explicit steps alone, by motion.push
   tangent   element blocks of d term / d u into the pattern; where `residual` is not NULL also the task of residual()
   apply     y += (d term / d u) du; NULL: from the element blocks of `tangent`, and for the points, whose action keeps
             data of its own (MpmAction)

@@ -7,6 +7,7 @@
 #include "bc/bc.h"
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
+#include "points/jacobian_coloring.h"
 #include "problem/discretization.h"
 #include "problem/fields.h"
 #include "solve/iterate.h"

@@ -157,9 +157,6 @@ typedef struct {
   MpmIterations iterations;
 } MpmSolver;
 
-/* The sums over points by colours, in blocks or one node a colour, or by differences (jacobian_coloring.c). */
-PetscErrorCode MpmJacobianColoring(const MpmTerms *terms, const MpmSum *sum, MpmJacobianType type, const PetscReal u[],
-                                   MpmPattern *pattern, PetscInt *failed);
 /*
   The Jacobian of the present step as a shell matrix, with or without tangents kept (mat_points.c), valid within the
   step's space.

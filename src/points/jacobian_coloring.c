@@ -15,7 +15,7 @@
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
 #include "points/action.h"
-#include "solve/solve.h"
+#include "points/jacobian_coloring.h"
 
 typedef struct {
   const MpmSum         *sum;
