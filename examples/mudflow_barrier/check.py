@@ -73,7 +73,7 @@ def against(results):
             Quantity.near("mass", state["mass"].sum(), handed["mass"] + mass, relative=1e-12),
             Quantity.near("window", handed["mass"], weight, relative=1e-12),
             Quantity("peak_force", force(history)[1].max(), 1.5e7, 4.5e7),
-            Quantity("run_up", run_up(results), 2.0, 16.0)]
+            Quantity("run_up", run_up(results), 10.0, 16.0)]
 
 
 def check(results):

@@ -188,6 +188,8 @@ def slide(test):
     path = sorted(whole.folder.glob("*checkpoint*.h5"))[0]
     again = test.run(folder / "slide.yaml", mpm_restart=path).results.state("last")
     test.check("slide.restart", float(abs(again["position"] - state["position"]).max()), 0, 1e-12)
+    thick = test.run(folder / "slide.yaml", mpm_time_viscosity_quadratic=1.5).results.state("last")
+    test.check("slide.viscosity", float(abs(thick["position"] - state["position"]).max()), 1e-12, 5)
     test.near("slide.mass", float(state["mass"].sum()), 1300 * float(state["volume"].sum()), relative=1e-12)
     test.check("slide.moves", float(state["position"][:, 0].mean()) - 60, 10, 60)
 
