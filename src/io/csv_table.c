@@ -19,6 +19,7 @@ typedef struct {
   char      separator;    /* ' ': any number of blanks and tabs */
   char    **word;         /* of the line under way */
   PetscInt  most;         /* room for words */
+  PetscInt *order;        /* of the table's words, by the alphabet */
   long long comma, point; /* the first line with a decimal comma, and with a decimal point; 0: none yet */
 } Form;
 
@@ -109,6 +110,31 @@ static PetscBool ParseNumber(char *word, long long line, Form *form, PetscReal *
   return (PetscBool)(end != word && !*end);
 }
 
+/* The word's place among the column's different ones, which `form->order` sorts. */
+static PetscErrorCode TakeText(MpmCsvTable *table, Form *form, const char *word, PetscReal *value)
+{
+  PetscInt low = 0, high = table->word_count;
+
+  PetscFunctionBeginUser;
+  while (low < high) {
+    const PetscInt middle = (low + high) / 2;
+
+    if (strcmp(table->word[form->order[middle]], word) < 0) low = middle + 1;
+    else high = middle;
+  }
+  if (low == table->word_count || strcmp(table->word[form->order[low]], word)) {
+    const PetscInt count = ++table->word_count;
+
+    PetscCall(PetscRealloc(sizeof(*table->word) * (size_t)count, &table->word));
+    PetscCall(PetscRealloc(sizeof(*form->order) * (size_t)count, &form->order));
+    PetscCall(PetscArraymove(&form->order[low + 1], &form->order[low], count - 1 - low));
+    PetscCall(PetscStrallocpy(word, &table->word[count - 1]));
+    form->order[low] = count - 1;
+  }
+  *value = (PetscReal)form->order[low];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- lines ---- */
 
 /* One row into the table; a complaint where it is not one. */
@@ -124,7 +150,11 @@ static PetscErrorCode TakeRow(MpmCsvTable *table, Form *form, char *line, long l
     PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "line %lld has %d numbers, its columns are %d", number,
                             (int)count, (int)table->columns));
   for (PetscInt c = 0; c < table->columns && !message[0]; c++) {
-    if (!ParseNumber(form->word[c], number, form, &table->value[table->rows * table->columns + c]))
+    PetscReal *value = &table->value[table->rows * table->columns + c];
+
+    if (table->of_words && !strcasecmp(table->name[c], table->of_words) && form->word[c][0])
+      PetscCall(TakeText(table, form, form->word[c], value));
+    else if (!ParseNumber(form->word[c], number, form, value))
       PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "line %lld, column %s: '%.40s' is not a number", number,
                               table->name[c], form->word[c]));
     else if (form->comma && form->point)
@@ -249,6 +279,7 @@ PetscErrorCode MpmCsvTableRead(const char *path, MpmCsvTable *table, char messag
       PetscCall(PetscMalloc1(((size_t)lines * (size_t)table->columns), &table->value));
     } else PetscCall(TakeRow(table, &form, line, number, message));
   }
+  PetscCall(PetscFree(form.order));
   PetscCall(PetscFree(form.word));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -275,7 +306,9 @@ PetscErrorCode MpmCsvTableDestroy(MpmCsvTable *table)
 {
   PetscFunctionBeginUser;
   for (PetscInt c = 0; c < table->columns; c++) PetscCall(PetscFree(table->name[c]));
+  for (PetscInt k = 0; k < table->word_count; k++) PetscCall(PetscFree(table->word[k]));
   PetscCall(PetscFree(table->name));
+  PetscCall(PetscFree(table->word));
   PetscCall(PetscFree(table->value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

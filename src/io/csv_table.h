@@ -5,12 +5,16 @@
 */
 #include "base/base.h"
 
-/* Start from zeros; `value` holds row by row. */
+/*
+  Start from zeros; `value` holds row by row. A column `of_words`, borrowed and case aside, has texts in place of
+  numbers: its values are places among the different `word`s, which stand in the order of their first rows.
+*/
 typedef struct {
-  PetscInt   columns;
-  char     **name;
-  PetscInt64 rows;
-  PetscReal *value;
+  const char *of_words;
+  PetscInt    columns, word_count;
+  char      **name, **word;
+  PetscInt64  rows;
+  PetscReal  *value;
 } MpmCsvTable;
 
 #define MPM_CSV_MESSAGE 512

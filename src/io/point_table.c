@@ -16,6 +16,7 @@
 #include "io/point_table.h"
 
 #define MESSAGE_LENGTH MPM_CSV_MESSAGE
+#define MATERIAL       "material"
 
 struct _p_MpmPointFile {
   MPI_Comm    comm;
@@ -213,6 +214,7 @@ PetscErrorCode MpmPointFileOpen(const MpmOptions *block, PetscInt dim, const cha
   PetscCallMPI(MPI_Bcast(&hdf5, 1, MPI_INT, 0, file->comm));
   if (hdf5) PetscCall(OpenHDF5(file, step));
   else if (!file->rank) {
+    file->csv.of_words = MATERIAL;
     PetscCall(MpmCsvTableRead(file->path, &file->csv, message));
     file->total = file->csv.rows;
   }
@@ -314,6 +316,24 @@ PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt
   PetscCall(PetscFree(names));
   if (found) PetscCall(CheckFinite(file, quantity, components, *values));
   else PetscCall(PetscFree(*values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPointFileGetMaterial(MpmPointFile file, PetscInt *count, char ***word, PetscReal **values)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MpmPointFileGet(file, MATERIAL, 1, MPM_OPTIONAL, values));
+  PetscCallMPI(MPI_Bcast(&file->csv.word_count, 1, MPIU_INT, 0, file->comm));
+  if (file->rank) PetscCall(PetscCalloc1(file->csv.word_count, &file->csv.word));
+  for (PetscInt k = 0; k < file->csv.word_count; k++) {
+    int length = file->rank ? 0 : (int)strlen(file->csv.word[k]) + 1;
+
+    PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, 0, file->comm));
+    if (file->rank) PetscCall(PetscMalloc1(length, &file->csv.word[k]));
+    PetscCallMPI(MPI_Bcast(file->csv.word[k], length, MPI_CHAR, 0, file->comm));
+  }
+  *count = file->csv.word_count;
+  *word  = file->csv.word;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

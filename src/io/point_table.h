@@ -12,6 +12,12 @@ PetscErrorCode MpmPointFileClose(MpmPointFile *file);
 PetscInt       MpmPointFileCount(MpmPointFile file);
 PetscErrorCode MpmPointFileGet(MpmPointFile file, const char *quantity, PetscInt components, MpmNeed need,
                                PetscReal **values);
+/*
+  The column `material`, row by row, to be freed; NULL where the file has none. In a table its cells are words: values
+  are places among the `count` words, which all ranks have, lent until the file closes. In HDF5 they are numbers, and
+  `count` is 0.
+*/
+PetscErrorCode MpmPointFileGetMaterial(MpmPointFile file, PetscInt *count, char ***word, PetscReal **values);
 /* True for a file of a run, with a group /points. */
 PetscBool MpmPointFileIsRun(MpmPointFile file);
 /*

@@ -99,6 +99,21 @@ static PetscErrorCode PrintCount(MPI_Comm comm, const char kind[], const char na
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define NAMED 8 /* materials of a body by name; of more, how many */
+
+static PetscErrorCode AppendMaterials(MpmModel model, MpmBody body, char **text)
+{
+  PetscInt count = 0;
+
+  PetscFunctionBeginUser;
+  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
+    if (!MpmBodyHasMaterial(body, m) || count++ >= NAMED) continue;
+    PetscCall(MpmTextAppend(text, "%s%s", count > 1 ? ", " : "material ", model->scene.materials->names[m]));
+  }
+  if (count > NAMED) PetscCall(MpmTextAppend(text, " and %d others", (int)(count - NAMED)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Points, volume, mass and box of each body. */
 static PetscErrorCode PrintBodies(MpmModel model)
 {
@@ -109,9 +124,8 @@ static PetscErrorCode PrintBodies(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
   for (PetscInt b = 0; b < bodies->count; b++) {
-    const MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(bodies->at[b])];
-    PetscReal          sums[2]  = {0., 0.}, ends[2 * MPM_MAX_DIM];
-    char              *text     = NULL;
+    PetscReal sums[2] = {0., 0.}, ends[2 * MPM_MAX_DIM];
+    char     *text    = NULL;
 
     for (PetscInt a = 0; a < 2 * dim; a++) ends[a] = PETSC_INFINITY;
     for (PetscInt p = 0; p < points.count; p++) {
@@ -125,8 +139,9 @@ static PetscErrorCode PrintBodies(MpmModel model)
     }
     PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPIU_SUM, model->comm));
     PetscCall(MPIU_Allreduce(MPI_IN_PLACE, ends, (PetscMPIInt)(2 * dim), MPIU_REAL, MPI_MIN, model->comm));
-    PetscCall(MpmTextAppend(&text, "%.0f points, %.6g m%d, material %s", (double)sums[0], (double)sums[1],
-                            dim == 3 || model->disc.grid->axial ? 3 : 2, material->name));
+    PetscCall(MpmTextAppend(&text, "%.0f points, %.6g m%d, ", (double)sums[0], (double)sums[1],
+                            dim == 3 || model->disc.grid->axial ? 3 : 2));
+    PetscCall(AppendMaterials(model, bodies->at[b], &text));
     for (PetscInt a = 0; a < dim; a++)
       PetscCall(MpmTextAppend(&text, ", %c %.4g to %.4g", "xyz"[a], (double)ends[a], -(double)ends[dim + a]));
     PetscCall(PrintLine(model->comm, "body", bodies->names[b], sums[0] > 0. ? text : "joins a stage"));

@@ -132,7 +132,7 @@ PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscI
   }
   for (PetscInt r = 0; r < layout->rate.count; r++)
     fields[count++] = (MpmFileField){layout->component[layout->rate.component[r]].name, 1};
-  PetscCall(MpmBodyReadFile(options, model->scene.bodies->names[b], model->disc.grid, model->scene.materials->at, count,
+  PetscCall(MpmBodyReadFile(options, model->scene.bodies->names[b], model->disc.grid, model->scene.materials, count,
                             fields, model->scene.bodies->at[b]));
   PetscCall(PetscFree(fields));
   if (MpmBodyHandover(model->scene.bodies->at[b]))

@@ -260,8 +260,7 @@ static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *o
                              MPM_REQUIRED, &model->scene.bodies->count, &model->scene.bodies->names));
   PetscCall(PetscCalloc1(model->scene.bodies->count, &model->scene.bodies->at));
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
-    PetscCall(MpmBodyCreate(options, model->disc.grid, model->scene.materials->count, model->scene.materials->at,
-                            model->scene.bodies, b));
+    PetscCall(MpmBodyCreate(options, model->disc.grid, model->scene.materials, model->scene.bodies, b));
     PetscCall(MpmReadBodyFile(model, options, b));
     PetscCall(MpmBodyReadDepth(options, model->scene.bodies->names[b], model->disc.grid, model->scene.deformation.bed,
                                model->scene.shape.type, model->scene.shape.edge, model->scene.bodies->at[b]));

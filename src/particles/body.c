@@ -4,6 +4,7 @@
 */
 #include "options/options.h"
 #include "geometry/geometry.h"
+#include "voxels/row_labels.h"
 #include "point/material.h"
 #include "grid/grid.h"
 #include "grid/shape.h"
@@ -144,26 +145,25 @@ static void SetLattice(const MpmGrid *grid, MpmBody body)
   }
 }
 
-static PetscErrorCode ReadMaterial(const MpmOptions *block, PetscInt material_count, const MpmMaterial materials[],
-                                   MpmBody body)
+static PetscErrorCode ReadMaterial(const MpmOptions *block, const MpmMaterials *materials, MpmBody body)
 {
-  const PetscBool labelled = (PetscBool)(MpmRegionGetType(body->region) == MPM_REGION_VOXELS && !MpmOptionsHelp());
+  const PetscBool by_row = (PetscBool)(MpmRegionGetType(body->region) == MPM_REGION_FILE && !MpmOptionsHelp());
   const char    **names;
 
   PetscFunctionBeginUser;
-  if (labelled) {
-    PetscCall(MpmBodyNameLabels(block, material_count, materials, body));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(PetscCalloc1((material_count + 1), &names));
-  for (PetscInt m = 0; m < material_count; m++) names[m] = materials[m].name;
-  PetscCall(MpmOptionsWord(block, "material", "one of -mpm_materials", names, MPM_REQUIRED, &body->material, NULL));
+  if (MpmRegionGetType(body->region) == MPM_REGION_VOXELS && !MpmOptionsHelp())
+    PetscFunctionReturn(MpmBodyNameLabels(block, materials, body));
+  PetscCall(PetscCalloc1((materials->count + 1), &names));
+  for (PetscInt m = 0; m < materials->count; m++) names[m] = materials->names[m];
+  if (by_row) body->material.first = -1;
+  PetscCall(MpmOptionsWord(block, "material", "one of -mpm_materials; of region file, unless its points have their own",
+                           names, by_row ? MPM_OPTIONAL : MPM_REQUIRED, &body->material.first, NULL));
   PetscCall(PetscFree(names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmBodyCreate(const MpmOptions *options, const MpmGrid *grid, PetscInt material_count,
-                             const MpmMaterial materials[], MpmBodies *bodies, PetscInt b)
+PetscErrorCode MpmBodyCreate(const MpmOptions *options, const MpmGrid *grid, const MpmMaterials *materials,
+                             MpmBodies *bodies, PetscInt b)
 {
   char       prefix[256];
   MpmOptions block = {options->comm, prefix, options->record};
@@ -183,9 +183,9 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const MpmGrid *grid, Pet
   PetscCall(MpmOptionsHeading(&block, "Body"));
   PetscCall(MpmRegionCreate(&block, grid->dim, tolerance, &body->region));
   PetscCall(ReadBelow(&block, bodies, b));
-  PetscCall(ReadMaterial(&block, material_count, materials, body));
-  if (material_count && !MpmRegionVoxels(body->region))
-    PetscCall(MpmBodyInitialCreate(&block, &materials[body->material], &body->initial));
+  PetscCall(ReadMaterial(&block, materials, body));
+  if (materials->count && !MpmRegionVoxels(body->region) && body->material.first >= 0)
+    PetscCall(MpmBodyInitialCreate(&block, &materials->at[body->material.first], &body->initial));
   PetscCall(ReadLattice(&block, grid, body));
   if (MpmRegionGetType(body->region) < MPM_REGION_FILE && !MpmOptionsHelp()) PetscCall(FindCells(&block, grid, body));
   SetLattice(grid, body);
@@ -198,22 +198,27 @@ PetscBool MpmBodyIsStressed(MpmBody body)
 }
 
 PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, const MpmGrid *grid,
-                               const MpmMaterial materials[], PetscInt field_count, const MpmFileField fields[],
+                               const MpmMaterials *materials, PetscInt field_count, const MpmFileField fields[],
                                MpmBody body)
 {
   char             prefix[256];
-  const MpmOptions block = {options->comm, prefix, options->record};
-  PetscBool        given = PETSC_FALSE;
+  const MpmOptions block  = {options->comm, prefix, options->record};
+  PetscBool        given  = PETSC_FALSE;
+  MpmRowChoice     choice = {materials->count, (const char *const *)materials->names, body->material.first, NULL};
 
   PetscFunctionBeginUser;
   if (MpmRegionGetType(body->region) < MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_body_%s_", name));
   PetscCall(MpmOptionsHas(&block, "region", &given));
   if (MpmRegionGetType(body->region) > MPM_REGION_FILE || (MpmOptionsHelp() && !given))
-    PetscCall(
-      MpmImportedHandover(&block, MpmRegionGetType(body->region), grid, &materials[body->material], &body->imported));
-  if (MpmRegionGetType(body->region) == MPM_REGION_FILE || MpmOptionsHelp())
-    PetscCall(MpmImportedCreate(&block, grid, &materials[body->material], field_count, fields, &body->imported));
+    PetscCall(MpmImportedHandover(&block, MpmRegionGetType(body->region), grid,
+                                  &materials->at[PetscMax(body->material.first, 0)], &body->imported));
+  if (MpmRegionGetType(body->region) != MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
+  if (body->material.first < 0) PetscCall(PetscCalloc1(materials->count + 1, &body->material.has));
+  choice.has = body->material.has;
+  PetscCall(MpmImportedCreate(&block, grid, &choice, materials->at, field_count, fields, &body->imported));
+  if (body->material.has && !MpmOptionsHelp())
+    PetscCall(MpmBodySetMaterials(&block, materials->count, "file: no point has a material", body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -330,6 +335,7 @@ PetscErrorCode MpmBodyDestroy(MpmBody *body)
   PetscCall(PetscFree((*body)->beside.before));
   PetscCall(PetscFree((*body)->beside.winners));
   PetscCall(PetscFree((*body)->start.stress));
+  PetscCall(PetscFree((*body)->material.has));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -410,7 +416,7 @@ PetscReal MpmBodySpacing(MpmBody body)
 
 PetscInt MpmBodyMaterial(MpmBody body)
 {
-  return body->material;
+  return body->material.first;
 }
 
 PetscBool MpmBodyIsImported(MpmBody body)

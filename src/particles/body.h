@@ -16,11 +16,11 @@ typedef struct MpmBodies {
 } MpmBodies;
 
 /* Makes the b-th of the bodies from its block; those named before it have been made. */
-PetscErrorCode MpmBodyCreate(const MpmOptions *options, const MpmGrid *grid, PetscInt material_count,
-                             const MpmMaterial *materials, MpmBodies *bodies, PetscInt b);
+PetscErrorCode MpmBodyCreate(const MpmOptions *options, const MpmGrid *grid, const MpmMaterials *materials,
+                             MpmBodies *bodies, PetscInt b);
 /* Reads the points of a body whose region is a file, with fields of the physics. */
 PetscErrorCode MpmBodyReadFile(const MpmOptions *options, const char *name, const MpmGrid *grid,
-                               const MpmMaterial *materials, PetscInt field_count, const MpmFileField fields[],
+                               const MpmMaterials *materials, PetscInt field_count, const MpmFileField fields[],
                                MpmBody body);
 /* A field, point by point as they are made, or NULL where the file has none; the water's pressure, which an excess in
    the body's block replaces; and whether the file has masses. */
@@ -103,8 +103,9 @@ PetscInt MpmBodyFillId(MpmBody body, const MpmPoints *points, PetscInt column, P
 MpmRegion MpmBodyRound(MpmBody body);
 /* Most cells from point to point on an axis; 0 for bodies from files. */
 PetscReal MpmBodySpacing(MpmBody body);
-/* Its material, of labelled voxels the first; and whether any of its points has one. */
+/* Its material, the first of several; whether its points have their own; and whether one has this. */
 PetscInt  MpmBodyMaterial(MpmBody body);
+PetscBool MpmBodyIsMixed(MpmBody body);
 PetscBool MpmBodyHasMaterial(MpmBody body, PetscInt material);
 /* Which body each point belongs to; ids ascend from body to body. */
 void MpmBodiesOfPoints(PetscInt body_count, const MpmBody bodies[], const MpmPoints *points, PetscInt body_of[]);

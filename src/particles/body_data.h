@@ -27,7 +27,11 @@ struct _p_MpmBody {
     PetscBool averaged; /* the shape is averaged over the points' domains */
     PetscInt  degree;   /* of splines, by which affine velocities are kept (momentum.c) */
   } motion;
-  PetscInt dim, material;
+  PetscInt dim;
+  struct {
+    PetscInt   first, last; /* in -mpm_materials, of those that its points have; -1: not known yet */
+    PetscBool *has;         /* by material, where points have their own; else NULL */
+  } material;
   struct {
     PetscInt axis, up; /* of gravity, and which way is up, 1 or -1 */
   } vertical;
@@ -56,9 +60,10 @@ struct _p_MpmBody {
   } beside;
 };
 
-/* Finds the materials of the labels of voxels; the body's own is the first (body_labels.c). */
-PetscErrorCode MpmBodyNameLabels(const MpmOptions *block, PetscInt material_count, const struct MpmMaterial *materials,
-                                 MpmBody body);
+/* Finds the materials of the labels of voxels (body_labels.c). */
+PetscErrorCode MpmBodyNameLabels(const MpmOptions *block, const MpmMaterials *materials, MpmBody body);
+/* Sets the first and the last of the materials that it has; `none` is the end of the line where there is none. */
+PetscErrorCode MpmBodySetMaterials(const MpmOptions *block, PetscInt material_count, const char none[], MpmBody body);
 /* True where a place lies in the body's region, and in that of no body that replaces it. */
 PetscBool MpmBodyOwns(MpmBody body, const PetscReal x[]);
 /* True where the place is on an edge shared with an earlier body that has a point there. */

@@ -3,7 +3,7 @@
 
     file           HDF5 or CSV, see point_table.c
     step           of a file with /points: a number, or latest
-    file_material  only the points whose `material` is this number
+    materials      of the points: voxels/row_labels.c
 
   Position (x, y (, z)) and volume are required, as they stand. Optional are:
 
@@ -19,6 +19,7 @@
 #include "options/options.h"
 #include "io/io.h"
 #include "io/point_table.h"
+#include "voxels/row_labels.h"
 #include "point/material.h"
 #include "point/registry.h"
 #include "point/stress_inversion.h"
@@ -42,44 +43,32 @@ typedef struct {
 
 struct _p_MpmImported {
   PetscInt    count, quantity_count;
-  Quantity   *quantity; /* by the names above, then the law's history, then the physics' fields */
+  PetscInt    state_count; /* of the history of all laws */
+  Quantity   *quantity;    /* by the names above, then the laws' history, then the physics' fields */
+  PetscInt   *material;    /* row by row; NULL: the body's */
   char       *path;
   PetscBool   run;      /* another run has written the file */
   MpmHandover handover; /* of columns and depths; the quantities are its arrays then */
 };
 
-/* Leaves the points of one material of the file; a file with several needs a choice. */
-static PetscErrorCode ChooseRows(const MpmOptions *block, MpmPointFile file, MpmImported imported)
+/* Leaves out rows that make no point; of those of a body with one material the choice is then forgotten. */
+static PetscErrorCode DropRows(PetscBool one, MpmImported imported)
 {
-  PetscInt   wanted = -1, kept = 0;
-  PetscInt64 ends[2] = {-PETSC_MAX_INT, -PETSC_MAX_INT};
-  PetscReal *material;
+  PetscInt kept = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsInt(block, "file_material", "take only the points of this `material` of the file", 0,
-                          PETSC_MAX_INT, MPM_OPTIONAL, &wanted, NULL));
-  if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmPointFileGet(file, "material", 1, wanted < 0 ? MPM_OPTIONAL : MPM_REQUIRED, &material));
-  for (PetscInt p = 0; material && p < imported->count; p++) {
-    ends[0] = PetscMax(ends[0], -(PetscInt64)material[p]);
-    ends[1] = PetscMax(ends[1], (PetscInt64)material[p]);
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, ends, 2, MPIU_INT64, MPI_MAX, block->comm));
-  MpmCheckInput(wanted >= 0 || !material || -ends[0] >= ends[1],
-                "-%sfile_material is missing: %s has points of the materials %lld to %lld", block->prefix,
-                imported->path, -(long long)ends[0], (long long)ends[1]);
-  for (PetscInt p = 0; wanted >= 0 && p < imported->count; p++) {
-    if ((PetscInt)material[p] != wanted) continue;
-    for (PetscInt q = 0; q < imported->quantity_count; q++) {
+  for (PetscInt p = 0; imported->material && p < imported->count; p++) {
+    if (imported->material[p] < 0) continue;
+    for (PetscInt q = 0; q < imported->quantity_count && kept < p; q++) {
       const PetscInt n = imported->quantity[q].components;
 
       for (PetscInt c = 0; imported->quantity[q].value && c < n; c++)
         imported->quantity[q].value[kept * n + c] = imported->quantity[q].value[p * n + c];
     }
-    kept++;
+    imported->material[kept++] = imported->material[p];
   }
-  if (wanted >= 0) imported->count = kept;
-  PetscCall(PetscFree(material));
+  if (imported->material) imported->count = kept;
+  if (one) PetscCall(PetscFree(imported->material));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -116,8 +105,14 @@ static const char *WrongPoint(const MpmImported imported, const MpmGrid *grid, P
   return NULL;
 }
 
-static PetscErrorCode CheckPoints(const MpmOptions *block, const MpmGrid *grid, PetscReal density,
-                                  const MpmImported imported)
+/* Material of a row; `own`: the body's. */
+static PetscInt MaterialOf(const MpmImported imported, PetscInt own, PetscInt row)
+{
+  return imported->material ? imported->material[row] : own;
+}
+
+static PetscErrorCode CheckPoints(const MpmOptions *block, const MpmGrid *grid, const MpmMaterial materials[],
+                                  PetscInt own, const MpmImported imported)
 {
   const char *why          = NULL;
   PetscMPIInt rank         = grid->size;
@@ -125,7 +120,9 @@ static PetscErrorCode CheckPoints(const MpmOptions *block, const MpmGrid *grid, 
   PetscInt    p;
 
   PetscFunctionBeginUser;
-  for (p = 0; p < imported->count && !why; p++) why = WrongPoint(imported, grid, density, p);
+  for (p = 0; p < imported->count && !why; p++) {
+    why = WrongPoint(imported, grid, materials[MaterialOf(imported, own, p)].density, p);
+  }
   if (why) {
     const PetscReal *x = &imported->quantity[POSITION].value[(p - 1) * grid->dim];
 
@@ -143,28 +140,58 @@ static PetscErrorCode CheckPoints(const MpmOptions *block, const MpmGrid *grid, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadQuantities(MpmPointFile file, PetscInt dim, const MpmMaterial *material, PetscInt field_count,
-                                     const MpmFileField fields[], MpmImported imported)
+static PetscInt StateComponents(const MpmStateVariable *state)
+{
+  return state->kind == MPM_STATE_SYM ? 6 : 1;
+}
+
+/* The quantity of a law's history, or NULL. */
+static const Quantity *FindHistory(const MpmImported imported, const MpmStateVariable *state)
+{
+  for (PetscInt q = STATES; q < STATES + imported->state_count; q++)
+    if (imported->quantity[q].components == StateComponents(state) && !strcmp(imported->quantity[q].name, state->name))
+      return &imported->quantity[q];
+  return NULL;
+}
+
+/* Adds variables of a law's history that are not there yet. */
+static PetscErrorCode AddHistory(const MpmMaterial *material, MpmImported imported)
+{
+  PetscFunctionBeginUser;
+  for (size_t v = 0; v < material->info.state_count; v++) {
+    const MpmStateVariable *state = &material->info.states[v];
+    const PetscInt          end   = STATES + imported->state_count;
+
+    if (FindHistory(imported, state)) continue;
+    PetscCall(PetscRealloc(sizeof(*imported->quantity) * (size_t)(end + 1), &imported->quantity));
+    imported->quantity[end] = (Quantity){state->name, StateComponents(state), NULL};
+    imported->state_count++;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadQuantities(MpmPointFile file, PetscInt dim, const MpmRowChoice *choice,
+                                     const MpmMaterial *materials, PetscInt field_count, const MpmFileField fields[],
+                                     MpmImported imported)
 {
   static const char *const names[STATES] = {"position", "volume", "F", "half_length", "mass", "stress", "velocity"};
   const PetscInt           components[STATES] = {dim, 1, 9, dim, 1, 6, dim};
+  PetscInt                 first;
 
   PetscFunctionBeginUser;
-  imported->count          = MpmPointFileCount(file);
-  imported->quantity_count = STATES + (PetscInt)material->info.state_count + field_count;
-  PetscCall(PetscCalloc1(imported->quantity_count, &imported->quantity));
-  for (PetscInt q = 0; q < imported->quantity_count; q++) {
-    const PetscInt state = q - STATES, field = state - (PetscInt)material->info.state_count;
-    Quantity      *quantity = &imported->quantity[q];
-
-    if (field >= 0) *quantity = (Quantity){fields[field].name, fields[field].components, NULL};
-    else if (state >= 0)
-      *quantity =
-        (Quantity){material->info.states[state].name, material->info.states[state].kind == MPM_STATE_SYM ? 6 : 1, NULL};
-    else *quantity = (Quantity){names[q], components[q], NULL};
-    PetscCall(MpmPointFileGet(file, quantity->name, quantity->components, q <= VOLUME ? MPM_REQUIRED : MPM_OPTIONAL,
-                              &quantity->value));
-  }
+  imported->count = MpmPointFileCount(file);
+  PetscCall(PetscCalloc1(STATES, &imported->quantity));
+  for (PetscInt q = 0; q < STATES; q++) imported->quantity[q] = (Quantity){names[q], components[q], NULL};
+  for (PetscInt m = 0; m < choice->count; m++)
+    if (choice->own < 0 ? choice->has[m] : m == choice->own) PetscCall(AddHistory(&materials[m], imported));
+  first                    = STATES + imported->state_count;
+  imported->quantity_count = first + field_count;
+  PetscCall(PetscRealloc(sizeof(*imported->quantity) * (size_t)imported->quantity_count, &imported->quantity));
+  for (PetscInt f = 0; f < field_count; f++)
+    imported->quantity[first + f] = (Quantity){fields[f].name, fields[f].components, NULL};
+  for (PetscInt q = 0; q < imported->quantity_count; q++)
+    PetscCall(MpmPointFileGet(file, imported->quantity[q].name, imported->quantity[q].components,
+                              q <= VOLUME ? MPM_REQUIRED : MPM_OPTIONAL, &imported->quantity[q].value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -185,7 +212,7 @@ static void TakeHandover(PetscInt dim, const MpmMaterial *material, MpmImported 
   for (size_t v = 0; v < material->info.state_count; v++) {
     const MpmStateVariable *state = &material->info.states[v];
 
-    to[STATES + v] = (Quantity){state->name, state->kind == MPM_STATE_SYM ? 6 : 1, NULL};
+    to[STATES + v] = (Quantity){state->name, StateComponents(state), NULL};
     if (from->depth && !strcmp(state->name, "depth")) to[STATES + v].value = from->depth;
   }
 }
@@ -204,12 +231,13 @@ PetscErrorCode MpmImportedHandover(const MpmOptions *block, MpmRegionType region
     PetscCall(MpmHandoverHydrograph(block, grid, material->density, &imported->handover));
   if (region == MPM_REGION_DEPTH) PetscCall(MpmHandoverDepth(block, grid, &imported->handover));
   if (MpmOptionsHelp()) PetscFunctionReturn(MpmImportedDestroy(handle));
-  imported->quantity_count = STATES + (PetscInt)material->info.state_count;
+  imported->state_count    = (PetscInt)material->info.state_count;
+  imported->quantity_count = STATES + imported->state_count;
   PetscCall(PetscCalloc1(imported->quantity_count, &imported->quantity));
   TakeHandover(grid->dim, material, imported);
   PetscCall(PetscStrallocpy(imported->handover.path ? imported->handover.path : "(maps)", &imported->path));
   imported->run = PETSC_TRUE;
-  PetscCall(CheckPoints(block, grid, material->density, imported));
+  PetscCall(CheckPoints(block, grid, material, 0, imported));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -218,8 +246,9 @@ const struct MpmHandover *MpmImportedGetHandover(MpmImported imported)
   return imported->handover.position ? &imported->handover : NULL;
 }
 
-PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, const MpmMaterial *material,
-                                 PetscInt field_count, const MpmFileField fields[], MpmImported *handle)
+PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, const MpmRowChoice *choice,
+                                 const MpmMaterial *materials, PetscInt field_count, const MpmFileField fields[],
+                                 MpmImported *handle)
 {
   MpmPointFile file;
   MpmImported  imported;
@@ -233,15 +262,16 @@ PetscErrorCode MpmImportedCreate(const MpmOptions *block, const MpmGrid *grid, c
   PetscCall(MpmOptionsText(block, "step", "which step of a file with /points: a number, or latest", "latest",
                            MPM_OPTIONAL, &step));
   if (MpmOptionsHelp()) {
-    PetscCall(ChooseRows(block, NULL, imported));
+    PetscCall(MpmRowLabelsRead(block, imported->path, NULL, choice, &imported->material));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmPointFileOpen(block, grid->dim, imported->path, step, &file));
-  PetscCall(ReadQuantities(file, grid->dim, material, field_count, fields, imported));
-  PetscCall(ChooseRows(block, file, imported));
+  PetscCall(MpmRowLabelsRead(block, imported->path, file, choice, &imported->material));
+  PetscCall(ReadQuantities(file, grid->dim, choice, materials, field_count, fields, imported));
+  PetscCall(DropRows((PetscBool)(choice->own >= 0), imported));
   PetscCall(MpmPointFileCheck(file));
   imported->run = MpmPointFileIsRun(file);
-  PetscCall(CheckPoints(block, grid, material->density, imported));
+  PetscCall(CheckPoints(block, grid, materials, choice->own, imported));
   PetscCall(MpmPointFileClose(&file));
   PetscCall(PetscFree(step));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -255,6 +285,7 @@ PetscErrorCode MpmImportedDestroy(MpmImported *handle)
     PetscCall(PetscFree((*handle)->quantity[q].value));
   PetscCall(MpmHandoverDestroy(&(*handle)->handover));
   PetscCall(PetscFree((*handle)->quantity));
+  PetscCall(PetscFree((*handle)->material));
   PetscCall(PetscFree((*handle)->path));
   PetscCall(PetscFree(*handle));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -263,6 +294,11 @@ PetscErrorCode MpmImportedDestroy(MpmImported *handle)
 PetscInt MpmImportedCount(MpmImported imported)
 {
   return imported->count;
+}
+
+const PetscInt *MpmImportedMaterial(MpmImported imported)
+{
+  return imported->material;
 }
 
 const PetscReal *MpmImportedVelocity(MpmImported imported)
@@ -305,7 +341,7 @@ static PetscBool TakeState(const MpmImported imported, const MpmMaterial *materi
   PetscBool all = PETSC_TRUE;
 
   for (size_t v = 0; v < material->info.state_count; v++) {
-    const Quantity *quantity = &imported->quantity[STATES + v];
+    const Quantity *quantity = FindHistory(imported, &material->info.states[v]);
     const PetscInt  n        = MpmStateComponents(&material->info.states[v], dim);
 
     for (PetscInt c = 0; quantity->value && c < n; c++) state[c] = quantity->value[row * quantity->components + c];
@@ -371,34 +407,68 @@ static int TakeStress(const MpmImported imported, const MpmInitial *initial, Pet
   return answer;
 }
 
-PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const MpmMaterial *material,
-                               PetscInt state_size, PetscInt first, MpmPoints *points)
+/* Rows by their materials, those of one material in their order; NULL: all are of one material. */
+static PetscErrorCode SortRows(const MpmImported imported, PetscInt **order)
 {
-  PetscInt64 failed = 0;
-  PetscReal *state;
-  MpmInitial initial;
+  PetscInt *start, most = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmInitialCreate(material, grid->dim, &initial));
-  PetscCall(PetscCalloc1((state_size + 1), &state));
-  for (PetscInt row = 0; row < imported->count; row++) {
-    const PetscInt p = first + row;
-    PetscBool      has_state;
+  *order = NULL;
+  if (!imported->material) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt row = 0; row < imported->count; row++) most = PetscMax(most, imported->material[row] + 1);
+  PetscCall(PetscCalloc1(most + 1, &start));
+  PetscCall(PetscMalloc1(imported->count + 1, order));
+  for (PetscInt row = 0; row < imported->count; row++) start[imported->material[row] + 1]++;
+  for (PetscInt m = 0; m < most; m++) start[m + 1] += start[m];
+  for (PetscInt row = 0; row < imported->count; row++) (*order)[start[imported->material[row]]++] = row;
+  PetscCall(PetscFree(start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
+/* One row as point p, with its history; PETSC_FALSE where its material cannot have its stress. */
+static PetscBool FillRow(const MpmImported imported, const MpmInitial *initial, PetscInt row, PetscInt p,
+                         MpmPoints *points, PetscReal state[])
+{
+  const PetscInt dim = initial->model_dim;
+  PetscBool      has_state;
+
+  TakeGeometry(imported, dim, MpmMaterialDensity(initial->material, initial->own), row, p, points);
+  has_state = TakeState(imported, initial->material, dim, row, state);
+  if (TakeStress(imported, initial, row, has_state, p, points, state) != 2) return PETSC_TRUE;
+  if (!imported->handover.position) return PETSC_FALSE;
+  for (PetscInt c = 0; c < MpmSymSize(dim); c++) /* columns start with a stress where the law has it */
+    points->stress[p * MpmSymSize(dim) + c] = 0.;
+  return PETSC_TRUE;
+}
+
+PetscErrorCode MpmImportedFill(MpmImported imported, const MpmGrid *grid, const MpmMaterial materials[],
+                               PetscInt state_size, PetscInt first, MpmPoints *points)
+{
+  PetscInt   failed[2] = {PETSC_INT_MAX, 0}, *order; /* the first material, and points of all */
+  PetscReal *state;
+  MpmInitial initial = {NULL};
+
+  PetscFunctionBeginUser;
+  PetscCall(SortRows(imported, &order));
+  PetscCall(PetscCalloc1((state_size + 1), &state));
+  for (PetscInt k = 0; k < imported->count; k++) {
+    const PetscInt     row = order ? order[k] : k, p = first + row;
+    const MpmMaterial *material = &materials[points->material[p]];
+
+    if (material != initial.material) PetscCall(MpmInitialCreate(material, grid->dim, &initial));
     initial.own = MpmPointOwn(points, material, p);
-    TakeGeometry(imported, grid->dim, MpmMaterialDensity(material, initial.own), row, p, points);
-    for (PetscInt k = 0; k < state_size; k++) state[k] = points->state[p * state_size + k];
-    has_state = TakeState(imported, material, grid->dim, row, state);
-    if (TakeStress(imported, &initial, row, has_state, p, points, state) == 2) {
-      if (!imported->handover.position) failed++; /* columns start with a stress where the law has it */
-      for (PetscInt c = 0; imported->handover.position && c < MpmSymSize(grid->dim); c++)
-        points->stress[p * MpmSymSize(grid->dim) + c] = 0.;
+    for (PetscInt c = 0; c < state_size; c++) state[c] = points->state[p * state_size + c];
+    if (!FillRow(imported, &initial, row, p, points, state)) {
+      failed[0] = PetscMin(failed[0], points->material[p]);
+      failed[1]++;
     }
-    for (PetscInt k = 0; k < state_size; k++) points->state[p * state_size + k] = state[k];
+    for (PetscInt c = 0; c < state_size; c++) points->state[p * state_size + c] = state[c];
   }
+  PetscCall(PetscFree(order));
   PetscCall(PetscFree(state));
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT64, MPI_SUM, grid->comm));
-  MpmCheckInput(!failed, "%s: material %s cannot have the stress of %" PetscInt64_FMT " points", imported->path,
-                material->name, failed);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed[0], 1, MPIU_INT, MPI_MIN, grid->comm));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed[1], 1, MPIU_INT, MPI_SUM, grid->comm));
+  MpmCheckInput(!failed[1], "%s: material %s cannot have the stress of %" PetscInt_FMT " points", imported->path,
+                materials[failed[0]].name, failed[1]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,7 +1,6 @@
 /*
-  Bodies whose points have the materials of labelled voxels.
+  Bodies whose points have materials of their own: by labels of voxels, or by a column of a file of points.
 */
-#include <string.h>
 #include "options/options.h"
 #include "geometry/geometry.h"
 #include "voxels/voxels.h"
@@ -9,31 +8,38 @@
 #include "particles/body.h"
 #include "particles/body_data.h"
 
-PetscErrorCode MpmBodyNameLabels(const MpmOptions *block, PetscInt material_count, const MpmMaterial materials[],
-                                 MpmBody body)
+PetscErrorCode MpmBodyNameLabels(const MpmOptions *block, const MpmMaterials *materials, MpmBody body)
 {
-  struct MpmVoxels *voxels = MpmRegionVoxels(body->region);
+  MpmLabels *labels = &MpmRegionVoxels(body->region)->labels;
 
   PetscFunctionBeginUser;
-  body->material = -1;
-  for (PetscInt r = 0; r < voxels->range_count; r++) {
-    MpmVoxelRange *range = &voxels->range[r];
+  PetscCall(MpmLabelsNumber(block, materials->count, (const char *const *)materials->names, labels));
+  PetscCall(PetscCalloc1(materials->count + 1, &body->material.has));
+  for (PetscInt r = 0; r < labels->count; r++)
+    if (labels->range[r].met && labels->range[r].value >= 0) body->material.has[labels->range[r].value] = PETSC_TRUE;
+  PetscCall(MpmBodySetMaterials(block, materials->count, "labels: no voxel has a material", body));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    for (PetscInt m = 0; m < material_count; m++)
-      if (!strcmp(range->name, materials[m].name)) range->value = m;
-    MpmCheckInput(range->value >= 0 || !strcmp(range->name, "none"),
-                  "-%slabels: %s is none of -mpm_materials, nor the word none", block->prefix, range->name);
-    if (body->material < 0 && range->met) body->material = range->value;
+PetscErrorCode MpmBodySetMaterials(const MpmOptions *block, PetscInt material_count, const char none[], MpmBody body)
+{
+  PetscFunctionBeginUser;
+  body->material.first = body->material.last = -1;
+  for (PetscInt m = 0; m < material_count; m++) {
+    if (!body->material.has[m]) continue;
+    if (body->material.first < 0) body->material.first = m;
+    body->material.last = m;
   }
-  MpmCheckInput(body->material >= 0, "-%slabels: no voxel has a material", block->prefix);
+  MpmCheckInput(body->material.last >= 0, "-%s%s", block->prefix, none);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscBool MpmBodyHasMaterial(MpmBody body, PetscInt material)
 {
-  const struct MpmVoxels *voxels = MpmRegionVoxels(body->region);
+  return body->material.has ? body->material.has[material] : (PetscBool)(body->material.first == material);
+}
 
-  for (PetscInt r = 0; voxels && r < voxels->range_count; r++)
-    if (voxels->range[r].met && voxels->range[r].value == material) return PETSC_TRUE;
-  return (PetscBool)(body->material == material);
+PetscBool MpmBodyIsMixed(MpmBody body)
+{
+  return (PetscBool)(body->material.has != NULL);
 }

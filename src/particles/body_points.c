@@ -51,7 +51,7 @@ static void FillPoint(const MpmBody body, const MpmGrid *grid, const PetscInt at
   if (body->cut) volume = MpmBodyCutBox(body, grid, at, x);
   if (body->depth) volume *= MpmBodyDepthAt(body->depth, grid, x, half);
   points->material[p] =
-    MpmRegionVoxels(body->region) ? MpmVoxelsAt(MpmRegionVoxels(body->region), x)->value : body->material;
+    MpmRegionVoxels(body->region) ? MpmVoxelsAt(MpmRegionVoxels(body->region), x)->value : body->material.first;
   points->volume0[p] = volume * MpmTurn(points->F_size, x[0]);
   for (PetscInt a = 0; a < dim; a++) {
     points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] = x[a];
@@ -148,7 +148,7 @@ static void FillRelease(const MpmBody body, const MpmGrid *grid, const MpmMateri
 
   for (PetscInt p = begin; MpmReleaseNext(body->release, &cursor, &point); *first = ++p) {
     points->id[p]       = (PetscInt)(id + p - begin);
-    points->material[p] = body->material;
+    points->material[p] = body->material.first;
     points->volume0[p]  = point.volume;
     for (PetscInt a = 0; a < dim; a++) {
       points->x[p * dim + a] = points->x0[p * dim + a] = points->origin[p * dim + a] = point.x[a];
@@ -176,6 +176,31 @@ static PetscErrorCode MeasureGround(const MpmBody body, const MpmGrid *grid, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Points of a file, or out of columns. */
+static PetscErrorCode FillImported(const MpmBody body, const MpmGrid *grid, const MpmMaterial materials[],
+                                   const MpmParticles *particles, PetscInt64 id, PetscInt *first, MpmPoints *points)
+{
+  const PetscInt  begin = *first, vertical[2] = {body->vertical.axis, body->vertical.up};
+  const PetscInt *material = MpmImportedMaterial(body->imported);
+
+  PetscFunctionBeginUser;
+  *first += MpmImportedCount(body->imported);
+  for (PetscInt p = begin; p < *first; p++) {
+    points->id[p]       = (PetscInt)(id + p - begin);
+    points->material[p] = material ? material[p - begin] : body->material.first;
+  }
+  for (PetscInt p = begin; p < *first && points->state; p++)
+    MpmMaterialStateAtRest(&materials[points->material[p]], grid->dim, &points->state[p * particles->state_size]);
+  FillCuts(body, grid->dim, begin, *first, points);
+  PetscCall(MpmImportedPlace(body->imported, grid->dim, begin, points));
+  MpmPointsSetOwn(materials, vertical, grid->dim, begin, *first, points);
+  for (PetscInt p = begin; p < *first && points->state && body->initial; p++)
+    MpmBodyInitialFill(body->initial, grid->dim, Height(body, &points->x[p * grid->dim]),
+                       &points->state[p * particles->state_size]);
+  PetscCall(MpmImportedFill(body->imported, grid, materials, particles->state_size, begin, points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* All points of a body from `first` on; ids from `id` on. Returns where they end. */
 static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const MpmMaterial materials[],
                                const MpmParticles *particles, PetscInt64 id, PetscInt *first, MpmPoints *points)
@@ -195,24 +220,12 @@ static PetscErrorCode FillBody(const MpmBody body, const MpmGrid *grid, const Mp
     MpmPointsSetOwn(materials, vertical, grid->dim, begin, *first, points);
     FillAtRest(body, grid, materials, particles, begin, *first, points);
     if (body->start.stress)
-      PetscCall(MpmBodyStressFill(&materials[body->material], grid->dim, body->start.stress, particles->state_size,
-                                  (const PetscInt[]){begin, *first}, points, &body->start.wrong));
+      PetscCall(MpmBodyStressFill(&materials[body->material.first], grid->dim, body->start.stress,
+                                  particles->state_size, (const PetscInt[]){begin, *first}, points,
+                                  &body->start.wrong));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  *first += MpmImportedCount(body->imported);
-  for (PetscInt p = begin; p < *first; p++) {
-    points->id[p]       = (PetscInt)(id + p - begin);
-    points->material[p] = body->material;
-  }
-  for (PetscInt p = begin; p < *first && points->state; p++)
-    MpmMaterialStateAtRest(&materials[body->material], grid->dim, &points->state[p * particles->state_size]);
-  FillCuts(body, grid->dim, begin, *first, points);
-  PetscCall(MpmImportedPlace(body->imported, grid->dim, begin, points));
-  MpmPointsSetOwn(materials, vertical, grid->dim, begin, *first, points);
-  for (PetscInt p = begin; p < *first && points->state; p++)
-    MpmBodyInitialFill(body->initial, grid->dim, Height(body, &points->x[p * grid->dim]),
-                       &points->state[p * particles->state_size]);
-  PetscCall(MpmImportedFill(body->imported, grid, &materials[body->material], particles->state_size, begin, points));
+  PetscCall(FillImported(body, grid, materials, particles, id, first, points));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -390,7 +403,7 @@ PetscErrorCode MpmBodiesGenerate(PetscInt body_count, const MpmBody bodies[], co
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bodies[b]->start.wrong, 1, MPI_INT, MPI_MAX, grid->comm));
     MpmCheckInput(!bodies[b]->start.wrong, "-mpm_body_%s_initial_stress: %s of material %s", bodies[b]->name,
                   bodies[b]->start.wrong == 1 ? "lies outside of the yield surface" : "is none that a state has",
-                  materials[bodies[b]->material].name);
+                  materials[bodies[b]->material.first].name);
   }
   if (points.motion.increment) PetscCall(PetscArrayzero(points.motion.increment, local * MPM_INCREMENT(grid->dim)));
   if (points.physics.value) PetscCall(PetscArrayzero(points.physics.value, local * particles->rates));

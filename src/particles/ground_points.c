@@ -24,7 +24,7 @@ static PetscErrorCode SetMaterial(PetscInt count, const MpmBody bodies[], const 
     first[b]  = bodies[b]->ids.first;
     end[b]    = bodies[b]->ids.end;
     points[b] = bodies[b]->ids.count;
-    own[b]    = (PetscBool)(bodies[b]->material == m);
+    own[b]    = MpmBodyHasMaterial(bodies[b], m);
   }
   owners.names  = names;
   owners.first  = first;
@@ -42,7 +42,8 @@ PetscErrorCode MpmBodiesSetGrounds(PetscInt count, const MpmBody bodies[], const
   PetscInt most = -1;
 
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < count; b++) most = PetscMax(most, bodies[b]->material);
+  for (PetscInt b = 0; b < count; b++)
+    most = PetscMax(most, bodies[b]->material.has ? bodies[b]->material.last : bodies[b]->material.first);
   for (PetscInt m = 0; m <= most; m++)
     if (materials[m].varies) PetscCall(SetMaterial(count, bodies, &materials[m], m, room));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -42,7 +42,10 @@ static PetscErrorCode TakeK0(MpmModel model, const MpmOptions *block, const char
   MpmCheckInput(body >= 0 || material >= 0, "-%sk0 %s: there is no body or material %s", block->prefix, text, pair);
   PetscCall(ParseK0(block, text, colon + 1, &value));
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
-    if (body >= 0 ? b != body : MpmBodyMaterial(model->scene.bodies->at[b]) != material) continue;
+    if (body >= 0 ? b != body : !MpmBodyHasMaterial(model->scene.bodies->at[b], material)) continue;
+    MpmCheckInput(body >= 0 || !MpmBodyIsMixed(model->scene.bodies->at[b]),
+                  "-%sk0 %s: body %s has points of several materials: name the body", block->prefix, text,
+                  model->scene.bodies->names[b]);
     MpmCheckInput(PetscIsNanReal(k0[b]), "-%sk0 %s: body %s stands there twice", block->prefix, text,
                   model->scene.bodies->names[b]);
     k0[b] = value;
@@ -70,13 +73,13 @@ static PetscErrorCode ReadK0(MpmModel model, const MpmOptions *block, MpmNeed ne
   } else
     for (PetscInt k = 0; k < count; k++) PetscCall(TakeK0(model, block, text, pair[k], geostatic->k0));
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
-    const MpmMaterial *material = &model->scene.materials->at[MpmBodyMaterial(model->scene.bodies->at[b])];
-
     MpmCheckInput(!PetscIsNanReal(geostatic->k0[b]), "-%sk0 %s: body %s has none", block->prefix, text,
                   model->scene.bodies->names[b]);
-    MpmCheckInput(geostatic->k0[b] != MPM_K0_OCR || material->info.k0,
-                  "-%sk0 %s: %s does not know the ratio of material %s, body %s: must be a number", block->prefix, text,
-                  material->info.name, material->name, model->scene.bodies->names[b]);
+    for (PetscInt m = 0; geostatic->k0[b] == MPM_K0_OCR && m < model->scene.materials->count; m++)
+      MpmCheckInput(model->scene.materials->at[m].info.k0 || !MpmBodyHasMaterial(model->scene.bodies->at[b], m),
+                    "-%sk0 %s: %s does not know the ratio of material %s, body %s: must be a number", block->prefix,
+                    text, model->scene.materials->at[m].info.name, model->scene.materials->names[m],
+                    model->scene.bodies->names[b]);
   }
   PetscCall(MpmNamesDestroy(count, &pair));
   PetscCall(PetscFree(text));

@@ -2,58 +2,13 @@
   Voxels: what stands where, by labels of a lattice.
 
     file    labels (voxels_file.c)
-    labels  "0:none,1:binder,2-900:grain": a name by label or range of labels; none: nothing is there
+    labels  a name by label or range of labels (labels.c); none: nothing is there
     lower   corners of the lattice
     upper
     size    voxels by axis, as a check of the file
 */
-#include <ctype.h>
-#include <string.h>
 #include "options/options.h"
 #include "voxels/voxels.h"
-
-#define NOTHING "none"
-
-/* One entry of the list, "2-900:grain". */
-static PetscErrorCode ReadRange(const MpmOptions *options, char *text, MpmVoxelRange *range)
-{
-  char *colon = strchr(text, ':'), *end = text;
-  long  first = 0, last = 0;
-
-  PetscFunctionBegin;
-  while (isspace((unsigned char)*text)) text++;
-  if (colon) {
-    first = last = strtol(text, &end, 10);
-    if (end > text && *end == '-' && isdigit((unsigned char)end[1])) last = strtol(end + 1, &end, 10);
-  }
-  MpmCheckInput(
-    colon && end == colon && end > text && colon[1] && first <= last && first >= -1000000000L && last <= 1000000000L,
-    "-%slabels %s: must be entries like 0:none, 1:binder or 2-900:grain, separated by commas", options->prefix, text);
-  range->first = (PetscInt)first;
-  range->last  = (PetscInt)last;
-  range->value = -1;
-  PetscCall(PetscStrallocpy(colon + 1, &range->name));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadRanges(const MpmOptions *options, MpmVoxels *voxels)
-{
-  char *text, *rest;
-
-  PetscFunctionBegin;
-  PetscCall(MpmOptionsText(options, "labels",
-                           "region voxels: materials by label, \"0:none,1:binder,2-900:grain\"; none: no points", NULL,
-                           MPM_REQUIRED, &text));
-  rest = text;
-  for (char *entry; !MpmOptionsHelp() && (entry = strsep(&rest, ","));) {
-    PetscCall(PetscRealloc((size_t)(voxels->range_count + 1) * sizeof(*voxels->range), &voxels->range));
-    voxels->range[voxels->range_count] = (MpmVoxelRange){0, 0, 0, NULL, PETSC_FALSE};
-    PetscCall(ReadRange(options, entry, &voxels->range[voxels->range_count]));
-    voxels->range_count++;
-  }
-  PetscCall(PetscFree(text));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* Labels on all ranks. */
 static PetscErrorCode ReadLabels(const MpmOptions *options, const char path[], const PetscInt size[], MpmVoxels *voxels)
@@ -77,26 +32,33 @@ static PetscErrorCode ReadLabels(const MpmOptions *options, const char path[], c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define RECENT 4096 /* labels whose places are at hand */
+
 /* Places among the ranges instead of labels. */
 static PetscErrorCode FindRanges(const MpmOptions *options, const char path[], MpmVoxels *voxels)
 {
-  int last = 0, place = -1;
+  struct {
+    int label, place;
+  } * recent;
 
   PetscFunctionBegin;
+  PetscCall(PetscMalloc1(RECENT, &recent));
+  for (PetscInt k = 0; k < RECENT; k++) recent[k].place = -1;
   for (PetscInt k = 0; k < voxels->count; k++) {
-    const int label = voxels->label[k];
+    const int    label = voxels->label[k];
+    const size_t at    = (size_t)(unsigned)label % RECENT;
 
-    if (place < 0 || label != last) {
-      for (place = 0; place < voxels->range_count; place++)
-        if (label >= voxels->range[place].first && label <= voxels->range[place].last) break;
-      last = label;
-      MpmCheckInput(place < voxels->range_count,
+    if (recent[at].place < 0 || recent[at].label != label) {
+      recent[at].label = label;
+      recent[at].place = (int)MpmLabelsFind(&voxels->labels, label);
+      MpmCheckInput(recent[at].place >= 0,
                     "-%slabels: %s has the label %d, which no entry names; %d:none leaves it empty", options->prefix,
                     path, label, label);
-      voxels->range[place].met = PETSC_TRUE;
+      voxels->labels.range[recent[at].place].met = PETSC_TRUE;
     }
-    voxels->label[k] = place;
+    voxels->label[k] = recent[at].place;
   }
+  PetscCall(PetscFree(recent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -120,7 +82,9 @@ PetscErrorCode MpmVoxelsRead(const MpmOptions *options, PetscInt dim, MpmVoxels 
                             voxels->upper, NULL));
   PetscCall(MpmOptionsInts(options, "size", "voxels by axis that the file must have", 1, PETSC_INT_MAX, MPM_OPTIONAL,
                            dim, size, NULL));
-  PetscCall(ReadRanges(options, voxels));
+  PetscCall(MpmLabelsRead(options,
+                          "region voxels: materials by label, \"0:none,1:binder,2-900:grain\"; none: no points",
+                          PETSC_TRUE, &voxels->labels));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < dim; a++)
     MpmCheckInput(voxels->lower[a] < voxels->upper[a], "-%supper %g on axis %c: must be > -%slower, which is %g",
@@ -135,14 +99,13 @@ PetscErrorCode MpmVoxelsDestroy(MpmVoxels **voxels)
 {
   PetscFunctionBegin;
   if (!*voxels) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < (*voxels)->range_count; k++) PetscCall(PetscFree((*voxels)->range[k].name));
-  PetscCall(PetscFree((*voxels)->range));
+  PetscCall(MpmLabelsDestroy(&(*voxels)->labels));
   PetscCall(PetscFree((*voxels)->label));
   PetscCall(PetscFree(*voxels));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const MpmVoxelRange *MpmVoxelsAt(const MpmVoxels *voxels, const PetscReal x[])
+const MpmLabelRange *MpmVoxelsAt(const MpmVoxels *voxels, const PetscReal x[])
 {
   PetscInt at = 0;
 
@@ -152,5 +115,5 @@ const MpmVoxelRange *MpmVoxelsAt(const MpmVoxels *voxels, const PetscReal x[])
 
     at = at * voxels->size[a] + PetscMax(PetscMin(k, voxels->size[a] - 1), 0);
   }
-  return &voxels->range[voxels->label[at]];
+  return &voxels->labels.range[voxels->label[at]];
 }

@@ -4,21 +4,14 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-
-/* Labels from `first` to `last` stand for a name; `value` is the owner's number for it, -1: nothing is there. */
-typedef struct {
-  PetscInt  first, last, value;
-  char     *name;
-  PetscBool met; /* a voxel has such a label */
-} MpmVoxelRange;
+#include "voxels/labels.h"
 
 typedef struct MpmVoxels {
-  PetscInt       dim, size[MPM_MAX_DIM];                 /* voxels, x fastest */
-  PetscReal      lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* of all of them, m */
-  PetscInt       range_count;
-  MpmVoxelRange *range;
-  PetscInt       count;
-  int           *label; /* of each voxel; once read its place among the ranges */
+  PetscInt  dim, size[MPM_MAX_DIM];                 /* voxels, x fastest */
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM]; /* of all of them, m */
+  MpmLabels labels;
+  PetscInt  count;
+  int      *label; /* of each voxel; once read its place among the ranges */
 } MpmVoxels;
 
 /*
@@ -31,7 +24,7 @@ typedef struct MpmVoxels {
 PetscErrorCode MpmVoxelsRead(const MpmOptions *options, PetscInt dim, MpmVoxels **voxels);
 PetscErrorCode MpmVoxelsDestroy(MpmVoxels **voxels);
 /* The voxel's range at a place within the lattice. */
-const MpmVoxelRange *MpmVoxelsAt(const MpmVoxels *voxels, const PetscReal x[]);
+const MpmLabelRange *MpmVoxelsAt(const MpmVoxels *voxels, const PetscReal x[]);
 /* Labels of a file on this rank, and their numbers by axis (voxels_file.c); a fault goes into `message`. */
 PetscErrorCode MpmVoxelsReadFile(const char path[], PetscInt dim, PetscInt size[], PetscInt *count, int **label,
                                  char message[512]);

@@ -84,6 +84,29 @@ UNSEEN = """mpm:
   output: {every: 0}
   quiet: true
 """
+# three welded columns of unit width, whose points have materials of their own, under their weight
+COLUMNS = """mpm:
+  dim: 2
+  shape: linear
+  grid: {lower: "0,0", upper: "3,4", cells: "3,4"}
+  materials: soft,hard,clay
+  material_soft: {type: neo_hookean, E: 1e5, nu: 0, density: 1}
+  material_hard: {type: linear_elastic, E: 1e6, nu: 0, density: 2}
+  material_clay: {type: j2, E: 1e6, nu: 0, density: 3, yield_stress: 3}
+  bodies: block
+  body_block: {region: file, file: points.csv}
+  bcs: west,middle,east,sides
+  bc_west: {region: box, lower: "0,0", upper: "0,0", components: "y"}
+  bc_middle: {region: box, lower: "1,0", upper: "2,0", components: "y"}
+  bc_east: {region: box, lower: "3,0", upper: "3,0", components: "y"}
+  bc_sides: {region: box, lower: "0,0", upper: "3,4", components: "x"}
+  loads: weight
+  load_weight: {type: gravity, value: "0,-1"}
+  time: {end: 1, step: 0.5}
+  checkpoint: {every: 1}
+  quiet: true
+"""
+MATERIALS = ("soft", "hard", "clay")
 DIE = {"mpm_boundaries": "die", "mpm_boundary_die_type": "sphere", "mpm_boundary_die_center": "0.4,2.4", "mpm_boundary_die_radius": 0.4,
        "mpm_boundary_die_motion": "0,-0.02"}
 
@@ -155,6 +178,64 @@ def unseen(test):
         test.check(f"unseen.{name}.ranks_3", abs(values["filled", 3] / values["filled", 1] - 1.0).max(), None, 1e-6)
 
 
+def columns(test, words, ranks=1, kind="csv", **options):
+    """Points with a cell `material` of these words, by column."""
+    folder = test.folder()
+    places = [(0.25 + 0.5 * i, 0.25 + 0.5 * j, words[i // 2]) for j in range(8) for i in range(6)]
+    if kind == "csv":
+        (folder / "points.csv").write_text("x,y,volume,material\n" + "".join(f"{x},{y},0.25,{word}\n" for x, y, word in places))
+    else:
+        with h5py.File(folder / "points.h5", "w") as file:
+            file["position"] = np.array([place[:2] for place in places])
+            file["volume"] = np.full(len(places), 0.25)
+            file["material"] = np.array([place[2] for place in places])
+        options["mpm_body_block_file"] = folder / "points.h5"
+    (folder / "columns.yaml").write_text(COLUMNS)
+    return folder / "columns.yaml", test.run(folder / "columns.yaml", ranks=ranks, **options)
+
+
+def reactions(run):
+    return np.array([run.results.history[f"reaction_{name}_y"][-1] for name in ("west", "middle", "east")])
+
+
+def by_column(test):
+    """Materials of points by a column of their file: masses, laws, output, restart; names, numbers and labels alike."""
+    scene, first = columns(test, MATERIALS)
+    state = first.results.state("last")
+    test.check("column.mass", float(abs(np.bincount(state["material"], weights=state["mass"]) - [4.0, 8.0, 12.0]).max()), None, 1e-12)
+    strain = state["equivalent_plastic_strain"]
+    test.check("column.history", float(sum(strain[state["material"] == 2] > 0.0)), 4, 12)
+    test.check("column.history.others", float(sum(strain[state["material"] != 2] != 0.0)), None, 0)
+    test.check("column.weight", float(abs(reactions(first).sum() / 24.0 - 1.0)), None, 1e-6)
+    labels = {"mpm_body_block_labels": "7:soft,8:hard,9-20:clay"}
+    alike = {"ranks_3": (MATERIALS, 3, "csv", {}), "numbers": ((0, "1.0", 2), 1, "csv", {}), "labels": ((7, 8, 20), 3, "csv", labels),
+             "hdf5": ((0, 1, 2), 3, "h5", {}), "hdf5_labels": ((7, 8, 9), 1, "h5", labels)}
+    for name, (words, ranks, kind, options) in alike.items():
+        test.check(f"column.{name}", float(abs(reactions(columns(test, words, ranks, kind, **options)[1]) / reactions(first) - 1.0).max()), None, 1e-9)
+    again = test.run(scene, ranks=3, mpm_restart=next(first.folder.glob("*checkpoint*1.h5")))
+    test.check("column.restart", float(abs(reactions(again) / reactions(first) - 1.0).max()), None, 1e-9)
+    after = test.run(scene, ranks=3, mpm_body_block_file=first.folder / "talus.h5")
+    test.check("column.run", float(abs(reactions(after) / reactions(first) - 1.0).max()), None, 1e-5)
+    test.check("column.run.history", float(abs(after.results.state("last")["equivalent_plastic_strain"] - strain).max()), None, 1e-8)
+    _, fewer = columns(test, (3, 1, 3), mpm_body_block_labels="3:none,1:hard")
+    test.check("column.none", float(len(fewer.results.state("last")["material"])), 16, 16)
+    for name, words, options, line in (
+            ("name", ("stone", "hard", "clay"), {}, "material stone is none of -mpm_materials"),
+            ("number", (3, 1, 2), {}, "material 3 is no place in -mpm_materials"),
+            ("fraction", (0.5, 1, 2), {}, "material 0.5 must be a whole number"),
+            ("empty", ("", 1, 2), {}, "line 2, column material"),
+            ("label", (1, 2, 3), {"mpm_body_block_labels": "1:soft,2:hard"}, "material 3 is in no entry of labels"),
+            ("named_label", MATERIALS, labels, "material soft must be a whole number"),
+            ("both", MATERIALS, {"mpm_body_block_material": "hard"}, "has the material soft"),
+            ("labels_of_one", (1, 1, 1), {"mpm_body_block_material": "hard", **labels}, "-mpm_body_block_labels: not with -mpm_body_block_material"),
+            ("choice", (1, 2, 0), {"mpm_body_block_file_material": 1}, "-mpm_body_block_file_material: needs -mpm_body_block_material"),
+            ("nothing", (1, 1, 1), {"mpm_body_block_labels": "1:none"}, "no point has a material")):
+        _, run = columns(test, words, 3 if name == "number" else 1, status=2, **options)
+        test.check(f"column.refused.{name}", int(line in run.errors + run.output), 1)
+    _, run = columns(test, (3, 1, 2), 3, "h5", status=2)
+    test.check("column.refused.hdf5", int("material 3 is no place in -mpm_materials" in run.errors + run.output), 1)
+
+
 def refused(test):
     scenes = {"label": (layers, {"mpm_body_stack_labels": "0:air,1:binder"}, "has the label 7"),
               "material": (layers, {"mpm_body_stack_labels": "0:air,1:binder,7:stone"}, "stone is none of -mpm_materials"),
@@ -215,4 +296,5 @@ with Test() as test:
     test.check("void_cell.background", abs(background / soft - 1.0).max(), None, 5e-3)
     test.check("void_cell.unknowns", float(fewest < more and fewest < most), 1.0)
     unseen(test)
+    by_column(test)
     refused(test)
