@@ -4,7 +4,8 @@
   The facets of one cell form a patch, those at different sides of a boundary with flat faces one each. Those on round
   surfaces (round_facets.c) and those near an edge of a boundary (edge_facets.c) are one each. A patch has one mean gap
   and one mean slip, as in a mortar method with one multiplier a cell. With a condition at every facet the surface would
-  have more conditions than the cells have unknowns, and material near it would move with it as one.
+  have more conditions than the cells have unknowns, and material near it would move with it as one. An element of order
+  p has a patch for each of the p^dim parts of its cell, or its nodes within would pass the surface.
 
   Where a surface cut the lattice, facets stand up to half a point's spacing off it, on either side. Facets keep that
   distance from then on, stretched as the material is across the surface: contact is at the initial distance. A body

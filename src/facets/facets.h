@@ -68,7 +68,7 @@ PetscErrorCode MpmFacetsFind(MpmFacets *facets, const MpmRules *rules, const Mpm
 PetscErrorCode MpmFacetsAdd(MpmFacets *facets, const MpmFacet *facet);
 /* The body whose place is solved for, or NULL. */
 const MpmRigidBody *MpmFacetsBody(const MpmFacets *facets, PetscInt boundary);
-/* The number of the cell of a place, of a part of the material. */
+/* The number of the cell of a place, of a part of the material; a cell of elements of order p counts as p^dim. */
 PetscInt64 MpmFacetCell(const MpmGrid *grid, const PetscReal x[], PetscInt part);
 /* Distance from a boundary as it stands at the step's start, or is expected to stand where it is free. */
 void MpmFacetsDistance(const MpmFacets *facets, PetscInt boundary, const PetscReal x[], MpmSurface *surface);

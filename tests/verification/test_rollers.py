@@ -38,7 +38,14 @@ def stuck(test):
     test.near("stuck.balance", -run.results.column("reaction_upper_y")[-1], run.results.column("reaction_lower_y")[-1], relative=1e-6)
 
 
+def second(test):
+    """An element of order 2 presses back as gimp does on twice as many cells an axis: its nodes have a patch each."""
+    run = test.run(example("rollers"), mpm_stages="press", mpm_shape="gimp_element", mpm_order=2, mpm_output_every=0, **COARSE)
+    test.near("second.press", run.results.column("reaction_upper_y")[-1], -7.261e6, relative=0.02)
+
+
 with Test() as check:
     rolled(check)
+    second(check)
     same(check)
     stuck(check)
