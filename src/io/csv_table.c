@@ -137,6 +137,12 @@ static PetscErrorCode TakeText(MpmCsvTable *table, Form *form, const char *word,
 
 /* ---- lines ---- */
 
+static PetscBool HasTexts(const MpmCsvTable *table, PetscInt column)
+{
+  return (PetscBool)(table->of_words &&
+                     (table->of_words[0] == '*' || !strcasecmp(table->name[column], table->of_words)));
+}
+
 /* One row into the table; a complaint where it is not one. */
 static PetscErrorCode TakeRow(MpmCsvTable *table, Form *form, char *line, long long number,
                               char message[MPM_CSV_MESSAGE])
@@ -152,7 +158,7 @@ static PetscErrorCode TakeRow(MpmCsvTable *table, Form *form, char *line, long l
   for (PetscInt c = 0; c < table->columns && !message[0]; c++) {
     PetscReal *value = &table->value[table->rows * table->columns + c];
 
-    if (table->of_words && !strcasecmp(table->name[c], table->of_words) && form->word[c][0])
+    if (HasTexts(table, c) && (form->word[c][0] || table->of_words[0] == '*'))
       PetscCall(TakeText(table, form, form->word[c], value));
     else if (!ParseNumber(form->word[c], number, form, value))
       PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "line %lld, column %s: '%.40s' is not a number", number,
@@ -299,6 +305,46 @@ PetscErrorCode MpmCsvTableNames(const MpmCsvTable *table, char message[MPM_CSV_M
     PetscCall(PetscStrlcat(message, c ? ", " : table->columns > 1 ? "; there are " : "; there is ", MPM_CSV_MESSAGE));
     PetscCall(PetscStrlcat(message, table->name[c], MPM_CSV_MESSAGE));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Texts of rank 0 for all ranks. */
+static PetscErrorCode ShareTexts(MPI_Comm comm, PetscInt *count, char ***texts)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Bcast(count, 1, MPIU_INT, 0, comm));
+  if (rank) PetscCall(PetscCalloc1(*count, texts));
+  for (PetscInt k = 0; k < *count; k++) {
+    int length = rank ? 0 : (int)strlen((*texts)[k]) + 1;
+
+    PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, 0, comm));
+    if (rank) PetscCall(PetscMalloc1(length, &(*texts)[k]));
+    PetscCallMPI(MPI_Bcast((*texts)[k], length, MPI_CHAR, 0, comm));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCsvTableShareWords(MPI_Comm comm, MpmCsvTable *table)
+{
+  PetscFunctionBeginUser;
+  PetscCall(ShareTexts(comm, &table->word_count, &table->word));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCsvTableShare(MPI_Comm comm, MpmCsvTable *table)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCall(ShareTexts(comm, &table->columns, &table->name));
+  PetscCall(MpmCsvTableShareWords(comm, table));
+  PetscCallMPI(MPI_Bcast(&table->rows, 1, MPIU_INT64, 0, comm));
+  if (rank) PetscCall(PetscMalloc1((size_t)table->rows * (size_t)table->columns, &table->value));
+  PetscCallMPI(MPI_Bcast(table->value, (PetscMPIInt)(table->rows * table->columns), MPIU_REAL, 0, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -7,7 +7,8 @@
 
 /*
   Start from zeros; `value` holds row by row. A column `of_words`, borrowed and case aside, has texts in place of
-  numbers: its values are places among the different `word`s, which stand in the order of their first rows.
+  numbers: its values are places among the different `word`s, which stand in the order of their first rows. "*": all
+  columns have texts, empty ones too.
 */
 typedef struct {
   const char *of_words;
@@ -26,4 +27,7 @@ PetscErrorCode MpmTextRead(const char *path, char **text, char message[MPM_CSV_M
 PetscInt MpmCsvTableFind(const MpmCsvTable *table, const char *name);
 /* Appends the names that are there to a message of a missing column: "; there are time, load". */
 PetscErrorCode MpmCsvTableNames(const MpmCsvTable *table, char message[MPM_CSV_MESSAGE]);
+/* Words of rank 0, or all of its table, for all ranks. */
+PetscErrorCode MpmCsvTableShareWords(MPI_Comm comm, MpmCsvTable *table);
+PetscErrorCode MpmCsvTableShare(MPI_Comm comm, MpmCsvTable *table);
 PetscErrorCode MpmCsvTableDestroy(MpmCsvTable *table);

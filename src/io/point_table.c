@@ -323,15 +323,7 @@ PetscErrorCode MpmPointFileGetMaterial(MpmPointFile file, PetscInt *count, char 
 {
   PetscFunctionBeginUser;
   PetscCall(MpmPointFileGet(file, MATERIAL, 1, MPM_OPTIONAL, values));
-  PetscCallMPI(MPI_Bcast(&file->csv.word_count, 1, MPIU_INT, 0, file->comm));
-  if (file->rank) PetscCall(PetscCalloc1(file->csv.word_count, &file->csv.word));
-  for (PetscInt k = 0; k < file->csv.word_count; k++) {
-    int length = file->rank ? 0 : (int)strlen(file->csv.word[k]) + 1;
-
-    PetscCallMPI(MPI_Bcast(&length, 1, MPI_INT, 0, file->comm));
-    if (file->rank) PetscCall(PetscMalloc1(length, &file->csv.word[k]));
-    PetscCallMPI(MPI_Bcast(file->csv.word[k], length, MPI_CHAR, 0, file->comm));
-  }
+  PetscCall(MpmCsvTableShareWords(file->comm, &file->csv));
   *count = file->csv.word_count;
   *word  = file->csv.word;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -42,6 +42,8 @@ PetscErrorCode MpmBodiesPrepare(MpmModel model);
 /* Initial fields of points besides those of their bodies: the physics' own states, and parts of the material
    (point_start.c). */
 PetscErrorCode MpmFillOwnStates(MpmModel model);
+/* Materials by blocks and by a table, and fields of their numbers (read_materials.c). */
+PetscErrorCode MpmReadMaterials(MpmModel model, const MpmOptions *options);
 /* The file of a body, with fields of the physics; and that into the points, once they have all else. */
 PetscErrorCode MpmReadBodyFile(MpmModel model, const MpmOptions *options, PetscInt b);
 PetscErrorCode MpmFillFromFiles(MpmModel model);

@@ -5,7 +5,6 @@
 #include "options/record.h"
 #include "ground/ground.h"
 #include "point/layout.h"
-#include "point/air.h"
 #include "point/material.h"
 #include "point/registry.h"
 #include "grid/grid.h"
@@ -207,53 +206,12 @@ static PetscErrorCode CheckLattices(const MpmGrid *grid, const MpmLayout *layout
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fields of the materials' numbers; before the materials. */
-static PetscErrorCode ReadGrounds(MpmModel model, const MpmOptions *options)
-{
-  const MpmGrid *grid = model->disc.grid;
-  MpmGroundGrid  cells;
-
-  PetscFunctionBeginUser;
-  cells.dim = grid->dim;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    cells.lower[a] = grid->lower[a];
-    cells.h[a]     = grid->h[a];
-    cells.cells[a] = grid->cells[a];
-  }
-  PetscCall(MpmGroundsRead(options, &cells, &model->scene.materials->grounds));
-  PetscCall(MpmGroundsCheckMaterials(model->scene.materials->grounds, model->scene.materials->count,
-                                     model->scene.materials->names));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode ReadMaterialsAndBodies(MpmModel model, const MpmOptions *options)
 {
-  PetscReal stiffest = 0.;
-
   PetscFunctionBeginUser;
-  PetscCall(MpmOptionsBlocks(options, "materials", "names of the material blocks", MPM_REQUIRED,
-                             &model->scene.materials->count, &model->scene.materials->names));
-  PetscCall(PetscCalloc1(model->scene.materials->count, &model->scene.materials->at));
-  PetscCall(ReadGrounds(model, options));
-  model->solver.definite.symmetric = PETSC_TRUE;
-  for (PetscInt m = 0; m < model->scene.materials->count; m++) {
-    if (model->scene.deformation.bed)
-      PetscCall(MpmMaterialCreateColumn(options, model->scene.materials->names[m], model->scene.materials->grounds,
-                                        &model->scene.materials->at[m]));
-    else
-      PetscCall(MpmMaterialCreate(options, model->scene.materials->names[m],
-                                  (PetscInt)model->scene.deformation.kinematics, model->scene.materials->grounds,
-                                  &model->scene.materials->at[m]));
-    PetscCall(MpmMaterialReadPhysics(options, &model->scene.physics, model->disc.dim, model->scene.materials->grounds,
-                                     &model->scene.materials->at[m]));
-    PetscCall(MpmMaterialReadAir(options, &model->scene.materials->at[m]));
-    if (!(model->scene.materials->at[m].info.traits & MPM_LAW_SYMMETRIC))
-      model->solver.definite.symmetric = PETSC_FALSE;
-    stiffest = PetscMax(stiffest, model->scene.materials->at[m].moduli.stiffness);
-  }
+  PetscCall(MpmReadMaterials(model, options));
   PetscCall(MpmGroundsCheckUsed(model->scene.materials->grounds));
   if (!(model->scene.physics.traits & MPM_PHYSICS_SYMMETRIC)) model->solver.definite.symmetric = PETSC_FALSE;
-  model->disc.matrix.diagonal = MpmNodeStiffness(&model->disc, stiffest);
   PetscCall(MpmOptionsBlocks(options, "bodies",
                              "names of the body blocks; bodies must not overlap, unless one has priority, and are "
                              "welded where they share nodes",

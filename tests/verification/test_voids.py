@@ -198,6 +198,34 @@ def reactions(run):
     return np.array([run.results.history[f"reaction_{name}_y"][-1] for name in ("west", "middle", "east")])
 
 
+def by_table(test, scene, first):
+    """Materials by a table are those by blocks; options of the scene replace cells. A thousand cost what they must."""
+    folder = scene.parent
+    table = "name,type,E,nu,density,yield_stress\nsoft,neo_hookean,1e5,0,1,\nhard,linear_elastic,1e6,0,2,\nclay,j2,1e6,0,3,3\n"
+    lines = [line for line in COLUMNS.splitlines(True) if "material" not in line]
+    (folder / "table.yaml").write_text("".join([lines[0], "  materials_file: table.csv\n", *lines[1:]]))
+    (folder / "table.csv").write_text(table)
+    runs = {ranks: test.run(folder / "table.yaml", ranks=ranks) for ranks in (1, 3)}
+    for ranks, run in runs.items():
+        test.check(f"table.ranks_{ranks}", float(abs(reactions(run) / reactions(first) - 1.0).max()), None, 1e-9)
+    stiffer = [reactions(test.run(path, mpm_material_clay_E=2e6)) for path in (scene, folder / "table.yaml")]
+    test.check("table.replaced", float(abs(stiffer[1] / stiffer[0] - 1.0).max()), None, 1e-12)
+    test.check("table.replaced.differs", float(abs(stiffer[1] / reactions(first) - 1.0).max()), 1e-6)
+    again = test.run(folder / "table.yaml", ranks=3, mpm_restart=next(runs[1].folder.glob("*checkpoint*1.h5")))
+    test.check("table.restart", float(abs(reactions(again) / reactions(first) - 1.0).max()), None, 1e-9)
+    (folder / "table.csv").write_text(table + "".join(f"m{k},neo_hookean,1e5,0.25,1,\n" for k in range(1000)))
+    many = test.run(folder / "table.yaml")
+    test.check("table.thousand", float(abs(reactions(many) / reactions(first) - 1.0).max()), None, 1e-9)
+    test.check("table.thousand.seconds", many.results.summary["time"]["setup"], None, 3.0)
+    for name, old, new, line in (("unknown", "yield_stress\n", "yield_strss\n", "-mpm_material_clay_yield_stress is missing"),
+                                 ("other_law", "0,2,\n", "0,2,7\n", "material hard has no yield_stress"),
+                                 ("alike", "hard,", "soft,", "two names are alike"), ("type", ",type", ",law", "must have the columns name and type"),
+                                 ("range", "1e5,0,", "-1e5,0,", "-mpm_material_soft_E -1e5")):
+        (folder / "table.csv").write_text(table.replace(old, new))
+        run = test.run(folder / "table.yaml", status=2)
+        test.check(f"table.refused.{name}", int(line in run.errors + run.output), 1)
+
+
 def by_column(test):
     """Materials of points by a column of their file: masses, laws, output, restart; names, numbers and labels alike."""
     scene, first = columns(test, MATERIALS)
@@ -207,6 +235,7 @@ def by_column(test):
     test.check("column.history", float(sum(strain[state["material"] == 2] > 0.0)), 4, 12)
     test.check("column.history.others", float(sum(strain[state["material"] != 2] != 0.0)), None, 0)
     test.check("column.weight", float(abs(reactions(first).sum() / 24.0 - 1.0)), None, 1e-6)
+    by_table(test, scene, first)
     labels = {"mpm_body_block_labels": "7:soft,8:hard,9-20:clay"}
     alike = {"ranks_3": (MATERIALS, 3, "csv", {}), "numbers": ((0, "1.0", 2), 1, "csv", {}), "labels": ((7, 8, 20), 3, "csv", labels),
              "hdf5": ((0, 1, 2), 3, "h5", {}), "hdf5_labels": ((7, 8, 9), 1, "h5", labels)}
