@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
 sys.path[:0] = [str(EXAMPLES), str(ROOT / "scripts"), str(ROOT / "tests")]
 from common import Quantity, read_table  # noqa: E402,F401  (the folder has to be known first; tests use read_table)
-from launcher import run_alone  # noqa: E402
+from launcher import run_alone, run_script  # noqa: E402
 from results import Results  # noqa: E402
 
 # Ranks on one machine need shared memory only, and are bound to no core: looking for hardware takes longer than most runs here.
@@ -44,6 +44,8 @@ def alone():
 
 def call(command, folder):
     """Runs a command in a folder; the completed process, with its output as text."""
+    if command[0] == sys.executable and str(command[1]).endswith(".py"):
+        return run_script(command[1:], folder, ENVIRONMENT, ROOT)
     environment = ENVIRONMENT if command[0] == "mpiexec" else {**ENVIRONMENT, **alone()}
     return subprocess.run([str(word) for word in command], cwd=folder, env=environment, capture_output=True, text=True,
                           errors="backslashreplace", timeout=TIME_LIMIT, check=False)
