@@ -28,6 +28,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections import Counter
 from pathlib import Path
@@ -89,15 +90,30 @@ class Scene:
     """An example, made coarse: its text, its options, and the options that make it coarse."""
 
     def __init__(self, path):
+        self.lock, self.runs = threading.Lock(), None  # not known yet
         self.name = f"{path.parent.name}/{path.name}"
         self.text = path.read_text(encoding="utf-8")
         self.options = parse_scene(self.text)
-        self.folder, self.maps = path.parent, []
-        if (path.parent / "make.py").is_file():  # writes maps and tables into a folder that scenes call out
+        self.source, self.maps = path.parent, []
+
+    def prepare(self, program):
+        """Makes it coarse when it is first asked for, and its maps; False where no coarse form of it runs."""
+        with self.lock:
+            if self.runs is None:
+                self.make_maps()
+                self.runs = self.shrink(program)
+                if not self.runs:
+                    print(f"{self.name}: no coarse form of it runs", file=sys.stderr)
+        return self.runs
+
+    def make_maps(self):
+        """Some examples write maps and tables, into a folder that scenes call out."""
+        self.folder = self.source
+        if (self.source / "make.py").is_file():
             self.made = tempfile.TemporaryDirectory(prefix="talus_fuzz_")
             self.folder = Path(self.made.name)
-            shutil.copytree(path.parent, self.folder, dirs_exist_ok=True)
-            subprocess.run([sys.executable, path.parent / "make.py", self.folder / "out"], capture_output=True, check=False)
+            shutil.copytree(self.source, self.folder, dirs_exist_ok=True)
+            subprocess.run([sys.executable, self.source / "make.py", self.folder / "out"], capture_output=True, check=False)
             self.maps = sorted(f"out/{name.name}" for name in self.folder.glob("out/*") if name.suffix in (".asc", ".csv"))
 
     def coarse(self, divisor):
@@ -141,7 +157,6 @@ class Scene:
                     return time.monotonic() - begin < SLOW
         return False
 
-
     def take_points(self, program, results):
         """The points of the coarse run as a file that a body can be read from, where the program does that."""
         self.point_file, body = None, self.options.get("mpm_bodies", "").split(",")[0]
@@ -184,10 +199,12 @@ STEPS = re.compile(r"mpm_time_(step|end|step_min|step_max)$")
 class Case:
     """A scene while it is being spoilt, and then what is run."""
 
-    def __init__(self, seed, number, scenes):
+    def __init__(self, seed, number, scenes, program):
         self.random = random.Random(f"{seed}:{number}")
         self.seed, self.number = seed, number
-        self.scene = self.random.choice(scenes)
+        self.scene = next((scene for scene in self.random.sample(scenes, len(scenes)) if scene.prepare(program)), None)
+        if not self.scene:
+            sys.exit("fuzz.py: no example runs")
         self.pairs = [list(pair) for pair in self.scene.options.items()]
         self.arguments, self.files, self.raw, self.notes = [], {}, None, []
         self.wrong_points = False
@@ -704,7 +721,7 @@ def asked_for_help(case, output):
 
 def run_case(number, arguments, scenes):
     """One case: its faults, its status."""
-    case = Case(arguments.seed, number, scenes)
+    case = Case(arguments.seed, number, scenes, arguments.program)
     folder = Path(tempfile.mkdtemp(prefix=f"{number}_", dir=arguments.place))
     for name in os.listdir(case.scene.folder):
         if name.endswith((".csv", ".h5")) and name != "reference.csv":
@@ -733,20 +750,10 @@ def keep(case, outcome, found, arguments):
     (place / "report.txt").write_text("\n".join(told) + "\n", encoding="utf-8", errors="replace")
 
 
-def find_scenes(program, quiet):
-    """The examples that run in a coarse form."""
-    scenes = []
-    for path in sorted((ROOT / "examples").glob("*/case*.yaml")):
-        scene = Scene(path)
-        if scene.options.get("mpm_task") in ("inverse", "ensemble"):  # many runs each
-            continue
-        if scene.shrink(program):
-            scenes.append(scene)
-        elif not quiet:
-            print(f"{scene.name}: no coarse form of it runs", file=sys.stderr)
-    if not scenes:
-        sys.exit("fuzz.py: no example runs")
-    return scenes
+def find_scenes():
+    """The examples, but for those of many runs each."""
+    scenes = [Scene(path) for path in sorted((ROOT / "examples").glob("*/case*.yaml"))]
+    return [scene for scene in scenes if scene.options.get("mpm_task") not in ("inverse", "ensemble")]
 
 
 def parse(words):
@@ -768,7 +775,7 @@ def parse(words):
 def main(words=None):
     arguments = parse(words)
     statuses, failed, begin = Counter(), 0, time.monotonic()
-    scenes = find_scenes(arguments.program, False)
+    scenes = find_scenes()
     numbers = range(arguments.cases) if arguments.only is None else [arguments.only]
     with tempfile.TemporaryDirectory(prefix="talus_fuzz_") as place:
         arguments.place = place
