@@ -48,5 +48,25 @@ void MpmFactoredApply(const MpmFactored *factored, PetscBool transposed, const P
 /* blocks += the diagonal blocks of A, of the unknowns of each local node, row-major. */
 void MpmFactoredDiagonal(const MpmFactored *factored, PetscReal blocks[]);
 
+/* Displacements of a box's nodes by those of `count` coarse nodes. Entry e of node i, begin[i] <= e < begin[i + 1], has
+   the share share[(e * block + c) * block + d] of component d at coarse node place[e] in component c. */
+typedef struct {
+  PetscInt         count;
+  const PetscInt  *begin, *place;
+  const PetscReal *share;
+  PetscBool        turned; /* some share couples different components */
+} MpmCoarseBox;
+
+/* Coarse functions: `box` describes a box of n local nodes, lent until its next call; `add` takes the products of its
+   coarse unknowns, node by node, row-major. */
+typedef struct {
+  void *ctx;
+  PetscErrorCode (*box)(void *ctx, PetscInt n, const PetscInt nodes[], MpmCoarseBox *box);
+  PetscErrorCode (*add)(void *ctx, const PetscReal block[]);
+} MpmCoarse;
+
+/* P^T A P by boxes: some five times the work of a product. */
+PetscErrorCode MpmFactoredProject(const MpmFactored *factored, const MpmCoarse *coarse);
+
 /* Bytes that it takes. */
 size_t MpmFactoredBytes(const MpmFactored *factored);

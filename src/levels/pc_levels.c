@@ -164,15 +164,18 @@ static PetscErrorCode Shift(Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first coarse operator from element blocks. */
+/* The first coarse operator from the points' tangents and from element blocks. */
 static PetscErrorCode ProjectFinest(Levels *levels)
 {
   const MpmElementAction action = {.take = MpmProjectionTake, .ctx = levels->projection};
+  const MpmCoarse        coarse = MpmProjectionCoarse(levels->projection);
+  const MpmFactored     *factored;
   Vec                    keep;
 
   PetscFunctionBeginUser;
   PetscCall(MatZeroEntries(levels->A[0]));
-  PetscCall(levels->step.tangent(levels->step.ctx, &action));
+  PetscCall(levels->step.tangent(levels->step.ctx, &action, &factored));
+  if (factored) PetscCall(MpmFactoredProject(factored, &coarse));
   PetscCall(MpmProjectionEnd(levels->projection));
   PetscCall(VecDuplicate(levels->held[0], &keep));
   PetscCall(VecCopy(levels->held[0], keep));

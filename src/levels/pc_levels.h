@@ -21,13 +21,15 @@ typedef struct {
 } MpmLevelsChoice;
 
 struct MpmElementAction;
+struct MpmFactored;
 
-/* The step's nodes, conditions on them, and a sum of element blocks of the Jacobian, for steps without a matrix. */
+/* The step's nodes and conditions on them. For steps without a matrix a sum of element blocks of the Jacobian; of all
+   terms but the points where these keep tangents, `factored`, and otherwise of all, with NULL there. */
 typedef struct {
   const MpmGrid        *grid;
   const MpmSpace       *space;
   const MpmConstraints *constraints;
-  PetscErrorCode (*tangent)(void *ctx, const struct MpmElementAction *action);
+  PetscErrorCode (*tangent)(void *ctx, const struct MpmElementAction *action, const struct MpmFactored **factored);
   void *ctx;
 } MpmLevelsStep;
 

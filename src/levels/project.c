@@ -12,7 +12,9 @@ struct MpmProjection {
   PetscInt            count, *node; /* coarse nodes of the present box */
   PetscInt           *place;        /* of each entry of the box's rows among them */
   PetscReal          *half, *block; /* K P and P^T K P */
-  PetscInt            room[3];      /* of node and place, half, block */
+  PetscReal          *share;        /* of the entries, and where each node's begin */
+  PetscInt           *begin;
+  PetscInt            room[5]; /* of node and place, half, block, share, begin */
 };
 
 static PetscErrorCode Enlarge(PetscInt wanted, PetscInt *room, size_t size, void *array)
@@ -116,6 +118,41 @@ void MpmProjectionTake(void *projection, PetscInt n, const PetscInt nodes[], con
   if (!to->error) to->error = Add(to, n, nodes, element);
 }
 
+/* A box as MpmCoarse.box() describes it. */
+static PetscErrorCode DescribeBox(void *projection, PetscInt n, const PetscInt nodes[], MpmCoarseBox *box)
+{
+  MpmProjection      *to   = (MpmProjection *)projection;
+  const MpmLocalRows *rows = to->rows;
+  const PetscInt      bs = rows->block, size = bs * bs;
+  PetscInt            entries = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(FindNodes(to, n, nodes));
+  PetscCall(Enlarge(n + 1, &to->room[4], sizeof(*to->begin), &to->begin));
+  to->begin[0] = 0;
+  for (PetscInt i = 0; i < n; i++) to->begin[i + 1] = to->begin[i] + rows->begin[nodes[i] + 1] - rows->begin[nodes[i]];
+  PetscCall(Enlarge(to->begin[n] * size, &to->room[3], sizeof(*to->share), &to->share));
+  for (PetscInt i = 0; i < n; entries = to->begin[++i])
+    PetscCall(PetscArraycpy(&to->share[entries * size], &rows->share[rows->begin[nodes[i]] * size],
+                            (to->begin[i + 1] - entries) * size));
+  *box = (MpmCoarseBox){.count = to->count, .begin = to->begin, .place = to->place, .share = to->share};
+  for (PetscInt k = 0; k < to->begin[n] * size; k++)
+    if (to->share[k] != 0. && k % size / bs != k % bs) box->turned = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AddBox(void *projection, const PetscReal block[])
+{
+  const MpmProjection *to = (const MpmProjection *)projection;
+
+  return MatSetValuesBlocked(to->mat, to->count, to->node, to->count, to->node, block, ADD_VALUES);
+}
+
+MpmCoarse MpmProjectionCoarse(MpmProjection *projection)
+{
+  return (MpmCoarse){.ctx = projection, .box = DescribeBox, .add = AddBox};
+}
+
 /* Zeros for all nodes that are coupled: those of a box, of a box with extra nodes, and of two boxes. */
 static PetscErrorCode AddZeros(MpmProjection *to, const MpmSpace *space)
 {
@@ -198,6 +235,8 @@ PetscErrorCode MpmProjectionDestroy(MpmProjection **projection)
   PetscCall(PetscFree((*projection)->place));
   PetscCall(PetscFree((*projection)->half));
   PetscCall(PetscFree((*projection)->block));
+  PetscCall(PetscFree((*projection)->share));
+  PetscCall(PetscFree((*projection)->begin));
   PetscCall(PetscFree(*projection));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

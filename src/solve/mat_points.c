@@ -246,12 +246,13 @@ PetscErrorCode MpmMatfreeSetState(Mat J, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMatfreeGetState(Mat J, const PetscReal **u)
+PetscErrorCode MpmMatfreeGetState(Mat J, const PetscReal **u, const MpmFactored **factored)
 {
   Matfree *free;
 
   PetscFunctionBeginUser;
   PetscCall(MatShellGetContext(J, &free));
-  *u = free->action.u;
+  *u        = free->action.u;
+  *factored = free->action.factored;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

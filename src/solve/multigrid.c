@@ -170,8 +170,8 @@ PetscErrorCode MpmMultigridApply(MpmSolver *solver, PetscBool contacts)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Element blocks of all terms where the shell has its state. */
-static PetscErrorCode SumBlocks(void *ctx, const MpmElementAction *action)
+/* Element blocks of the terms where the shell has its state, without the points where it keeps their tangents. */
+static PetscErrorCode SumBlocks(void *ctx, const MpmElementAction *action, const struct MpmFactored **factored)
 {
   const MpmSolver *solver  = (const MpmSolver *)ctx;
   MpmPattern       pattern = {.block = solver->disc->block, .dim = solver->disc->dim, .action = action};
@@ -179,8 +179,9 @@ static PetscErrorCode SumBlocks(void *ctx, const MpmElementAction *action)
   PetscInt         failed;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmMatfreeGetState(solver->jacobian.shell, &u));
-  PetscCall(MpmTermsTangent(solver->disc->terms, solver->disc->sum, u, &pattern, NULL, &failed));
+  PetscCall(MpmMatfreeGetState(solver->jacobian.shell, &u, factored));
+  if (*factored) PetscCall(MpmTermsTangentRest(solver->disc->terms, solver->disc->sum, u, &pattern, &failed));
+  else PetscCall(MpmTermsTangent(solver->disc->terms, solver->disc->sum, u, &pattern, NULL, &failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

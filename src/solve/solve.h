@@ -163,8 +163,8 @@ typedef struct {
 */
 PetscErrorCode MpmMatfreeCreate(MpmSolver *solver, PetscBool stored, Mat *J);
 PetscErrorCode MpmMatfreeSetState(Mat J, Vec x);
-/* Lends the local unknowns at which the derivative is taken. */
-PetscErrorCode MpmMatfreeGetState(Mat J, const PetscReal **u);
+/* Lends the local unknowns at which the derivative is taken, and the points' kept tangents, NULL without. */
+PetscErrorCode MpmMatfreeGetState(Mat J, const PetscReal **u, const struct MpmFactored **factored);
 /* Raises the diagonal of an assembled Jacobian where it may have modes without stiffness (jacobian_lift.c). */
 PetscErrorCode MpmJacobianLift(MpmSolver *solver, Mat J);
 /* Relative to the residual at zero displacement, with a floor; as SNES calls it, ctx: the solver (convergence.c). */

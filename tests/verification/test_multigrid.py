@@ -59,11 +59,11 @@ def answers(test):
     test.check("on_3.iterations", iterations(three), None, 8)
 
 
-def coarse_operator(test, **options):
+def coarse_operator(test, scene=BLOCK, material="rock", **options):
     """The coarsest level's matrix of a run, {(row, column): value}, and the shape of the matrix."""
     file = test.folder() / "coarse"
-    test.run(BLOCK, mg_coarse_ksp_view_mat=f"binary:{file}", mpm_multigrid_levels=3, mpm_material_rock_type="linear_elastic",
-             **{**HMG, **options})
+    test.run(scene, mg_coarse_ksp_view_mat=f"binary:{file}", mpm_multigrid_levels=3,
+             **{**HMG, f"mpm_material_{material}_type": "linear_elastic", **options})
     data = file.read_bytes()
     _, rows, columns, entries = np.frombuffer(data, ">i4", 4)
     counts = np.frombuffer(data, ">i4", rows, 16)
@@ -74,8 +74,9 @@ def coarse_operator(test, **options):
 
 
 def operators(test):
-    """Without a matrix the coarse operators are summed from element blocks; they are P^T A P."""
-    for name, options in (("moved", {}), ("penalty", {"mpm_stabilization_ghost": 0.1, "mpm_shape": "bspline2"}),
+    """Without a matrix the coarse operators are summed from the points' tangents and element blocks; they are P^T A P."""
+    for name, options in (("moved", {}), ("rollers", {"scene": BLOCK.parent / "rollers.yaml", "material": "block"}),
+                          ("penalty", {"mpm_stabilization_ghost": 0.1, "mpm_shape": "bspline2"}),
                           ("elements", {**ELEMENTS, **PMG}),
                           ("inertia", {"mpm_time_integrator": "backward_euler", "mpm_time_step": 0.01, "mpm_time_end": 0.02})):
         assembled, summed = (coarse_operator(test, mpm_jacobian=form, **options) for form in ("local", "matfree"))
