@@ -182,6 +182,9 @@ PetscErrorCode MpmMakeLocalRows(const Coarsening *to, const MpmFinest *finest)
     rows->node[rows->entries++] = to->coarse->count - to->rules->extra + extra++;
   }
   rows->begin[to->fine->local] = rows->entries;
+  if (!rows->entries) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscRealloc((size_t)rows->entries * sizeof(*rows->node), &rows->node));
+  PetscCall(PetscRealloc((size_t)(rows->entries * bs * bs) * sizeof(*rows->share), &rows->share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -147,6 +147,7 @@ static PetscErrorCode ApplySmoother(const MpmSolver *solver, PetscBool contacts)
   } else if (strcmp(name, "auto")) PetscCall(MpmDatabaseDefault("-mg_levels_pc_type", name));
   PetscCall(PetscSNPrintf(smooths, sizeof(smooths), "%" PetscInt_FMT, steps ? steps : 3));
   PetscCall(MpmDatabaseDefault("-mg_levels_ksp_max_it", smooths));
+  if (symmetric) PetscCall(MpmDatabaseDefault("-mg_levels_esteig_ksp_type", KSPCG)); /* GMRES keeps twelve vectors */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
