@@ -750,9 +750,9 @@ def keep(case, outcome, found, arguments):
     (place / "report.txt").write_text("\n".join(told) + "\n", encoding="utf-8", errors="replace")
 
 
-def find_scenes():
-    """The examples, but for those of many runs each."""
-    scenes = [Scene(path) for path in sorted((ROOT / "examples").glob("*/case*.yaml"))]
+def find_scenes(folder=ROOT / "examples"):
+    """The examples, or scenes of another such folder, but for those of many runs each."""
+    scenes = [Scene(path) for path in sorted(folder.glob("*/case*.yaml"))]
     return [scene for scene in scenes if scene.options.get("mpm_task") not in ("inverse", "ensemble")]
 
 
@@ -766,6 +766,7 @@ def parse(words):
     parser.add_argument("--time", type=float, default=10.0, help="s, for one case (10)")
     parser.add_argument("--memory", type=int, default=8000000,
                         help="kB of address space for one case (8000000); 0: no limit, as sanitizers need it")
+    parser.add_argument("--scenes", type=Path, default=ROOT / "examples", help="folder with scenes */case*.yaml (examples)")
     parser.add_argument("--keep", default="fuzz_failures", help="folder for failing cases (fuzz_failures)")
     arguments = parser.parse_args(words)
     arguments.program = arguments.program.resolve()
@@ -775,7 +776,7 @@ def parse(words):
 def main(words=None):
     arguments = parse(words)
     statuses, failed, begin = Counter(), 0, time.monotonic()
-    scenes = find_scenes()
+    scenes = find_scenes(arguments.scenes)
     numbers = range(arguments.cases) if arguments.only is None else [arguments.only]
     with tempfile.TemporaryDirectory(prefix="talus_fuzz_") as place:
         arguments.place = place

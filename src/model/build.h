@@ -56,8 +56,8 @@ PetscErrorCode MpmPointsCreate(MpmModel model);
 PetscInt MpmOwnParametersSize(MpmModel model);
 /* True where points keep their places in the initial state, beside those where displacements began anew. */
 PetscBool MpmOriginIsKept(const MpmModel model);
-/* Warns of bodies with fewer points a cell than the scene's shape needs (few_points.c). */
-PetscErrorCode MpmModelWarnFewPoints(MpmModel model);
+/* Warns of bodies with fewer points a cell than the shape needs, and of lengths below two cells (coarse_warnings.c). */
+PetscErrorCode MpmModelWarnCoarse(MpmModel model);
 /* Views the model where -mpm_view says so. */
 PetscErrorCode MpmModelViewFromOptions(MpmModel model);
 /* Refuses bodies that cannot fit into memory, or whose points PETSc cannot count (memory_estimate.c). */

@@ -287,7 +287,7 @@ static PetscErrorCode SetUp(MpmModel model)
     PetscCall(PetscStrallocpy("none", &model->solver.preset.name));
   }
   PetscCall(MpmRestartApply(model));
-  PetscCall(MpmModelWarnFewPoints(model));
+  PetscCall(MpmModelWarnCoarse(model));
   model->caller.set_up = PETSC_TRUE;
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -275,6 +275,7 @@ PetscErrorCode MpmBodyReadStart(const MpmOptions *options, const char *name, con
 {
   char             prefix[256], key[64];
   const PetscBool  water = (PetscBool)!strcmp(field, "pressure");
+  const MpmRange   range = strcmp(field, "damage") ? MPM_RANGE_ANY : (MpmRange){0., 1., PETSC_FALSE};
   const MpmOptions block = {options->comm, prefix, options->record};
 
   PetscFunctionBeginUser;
@@ -283,7 +284,7 @@ PetscErrorCode MpmBodyReadStart(const MpmOptions *options, const char *name, con
   PetscCall(MpmOptionsReal(&block, key, water ? "Pa" : "-",
                            water ? "pressure of the water to start with, beyond the hydrostatic one"
                                  : "value of the field to start with",
-                           MPM_RANGE_ANY, MPM_OPTIONAL, &body->start.value, &body->start.own_value));
+                           range, MPM_OPTIONAL, &body->start.value, &body->start.own_value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -311,9 +311,10 @@ static void FindEnds(const MpmModel model, PetscInt a, PetscReal *at, PetscReal 
   const MpmFollow *follow = &model->scene.follow;
   const MpmGrid   *grid   = model->disc.grid;
   const PetscReal  place  = follow->has_at ? follow->at[a] : model->state.grid.start[a];
+  const PetscReal  slack  = MPM_TOLERANCE * (grid->start_upper[a] - grid->start_lower[a]); /* sums over ranks round */
   PetscInt         side   = follow->fixed[a];
 
-  if (!side) side = grid->start_upper[a] - place <= place - grid->start_lower[a] ? -1 : 1;
+  if (!side) side = grid->start_upper[a] - place <= place - grid->start_lower[a] + slack ? -1 : 1;
   *fixed = side < 0 ? grid->start_lower[a] : grid->start_upper[a];
   *at    = follow->has_at ? follow->at[a] : side < 0 ? grid->start_upper[a] : grid->start_lower[a];
 }

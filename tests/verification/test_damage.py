@@ -136,6 +136,20 @@ def broken_cell(test, cells, law):
     return float(run.results.history["energy_fracture"][-1]) / (G_C * h)
 
 
+def refused(test):
+    """Numbers of damage out of their ranges; a warning of a length below two cells."""
+    scene, short = example("broken_bar"), {"mpm_time_end": 1, "mpm_output_every": 0}
+    for name, options in (("toughness 0", {"mpm_material_bar_toughness": 0}), ("length -1", {"mpm_material_bar_length": -1}),
+                          ("residual 2", {"mpm_material_bar_residual": 2}), ("split half", {"mpm_material_bar_split": "half"}),
+                          ("regularisation at3", {"mpm_material_weak_regularisation": "at3"}),
+                          ("initial_damage 1.5", {"mpm_body_middle_initial_damage": 1.5})):
+        run = test.run(scene, status=2, **options)
+        test.check(f"refused.{name}", int(f"_{name}: must" in run.errors + run.output), 1)
+    for length, warned in ((0.04, 1), (0.05, 0)):
+        run = test.run(scene, mpm_material_bar_length=length, **short)
+        test.check(f"length_{length}.warning", (run.errors + run.output).count("is less than two cells"), warned, warned)
+
+
 with Test() as test:
     best = minimize_scalar(lambda s: -answer(s)[1], bounds=(1.0, 1.2), method="bounded", options={"xatol": 1e-10})
     test.near("closed.peak", -best.fun, 16.278030, relative=1e-6)
@@ -176,5 +190,6 @@ with Test() as test:
             apart = np.max(np.abs(np.array(found[column]) - np.array(slot[column]))) / np.max(np.abs(slot[column]))
             test.check(f"blocks.{name}.{column}", apart, None, 1e-5 if name == "staggered" else 1e-8)
         test.check(f"blocks.{name}.iterations", sum(found["linear"]) / sum(found["newton"]), None, 16)  # 10 to 12
+    refused(test)
     if FULL:  # minutes
         test.check_example("slot_crack", test.run(example("slot_crack"), mpm_quiet=None), "slot_crack")

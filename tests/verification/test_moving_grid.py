@@ -172,7 +172,17 @@ def free_boundary(test):
     same(test, "free_restart", runs["free"], runs["free_restart"], RESTART)
 
 
+def middle(test):
+    """A body in the middle of the grid: the lower side stays, whatever the ranks round."""
+    text = PLANE % 'follow: column, axes: "x,y"' + SIDES % "base,top" + BASE % "" + TOP % (MOVE % -0.1)
+    for ranks in (1, 2, 3):
+        run = run_text(test, text, ranks=ranks, mpm_grid_cells="6,12", mpm_time_step=0.5, mpm_quiet=None)
+        lower = [abs(run.results.column(f"grid_lower_{axis}")[-1]) for axis in "xy"]
+        test.check(f"middle_on_{ranks}", max(lower), None, 0.0)
+
+
 with Test() as test:
+    middle(test)
     free_boundary(test)
     compression(test)
     load(test)
