@@ -18,7 +18,6 @@ static const char *FindPart(const MpmModel model, PetscBool background)
   if (model->disc.context.bed) return "columns on a bed";
   if (!background) return NULL;
   if (MpmStagesReduce(model)) return "a reduction of strength";
-  if (model->disc.grid->order > 1) return "elements of order 2 and more";
   if (model->scene.pairs->count) return "contacts of bodies, which have nodes of their own";
   return model->disc.grid->axial ? "axial symmetry" : NULL;
 }

@@ -6,7 +6,7 @@
   with u the step's increment and U_n the displacement that each node has had so far. Cells of a grid that moves with
   the material have the size with which they were read: a closed loop of the nodes leaves no stress.
 
-  The shape functions are those of the grid's spline at Gauss points. The matrix of a cell is made of products over the
+  The shape functions are those of the grid at Gauss points. The matrix of a cell is made of products over the
   axes of one-dimensional matrices int N_i N_j, int N_i' N_j and int N_i' N_j'. Other fields than the displacement are
   zero at nodes that no point touches.
 
@@ -29,16 +29,19 @@
 
 #define NODES  5 /* of a cell along an axis, at most: quadratic splines have knots in the middle of cells */
 #define PLACES 6 /* Gauss points along an axis, at most */
+#define DEGREE 4 /* of the shape functions, at most */
 
 /* Gauss points and weights on [-1, 1] */
-static const PetscReal gauss[3][4] = {
+static const PetscReal gauss[DEGREE][DEGREE + 1] = {
   {-0.5773502691896257, 0.5773502691896257},
   {-0.7745966692414834, 0., 0.7745966692414834},
-  {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526}};
-static const PetscReal weight[3][4] = {
+  {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526},
+  {-0.9061798459386640, -0.5384693101056831, 0., 0.5384693101056831, 0.9061798459386640}};
+static const PetscReal weight[DEGREE][DEGREE + 1] = {
   {1., 1.},
   {0.5555555555555556, 0.8888888888888888, 0.5555555555555556},
-  {0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538}};
+  {0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538},
+  {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665, 0.2369268850561891}};
 
 /* Nodes of a cell along an axis and their matrices. */
 typedef struct {
@@ -55,8 +58,9 @@ struct MpmCellKind {
 /* Of cell `cell` along axis a, between the edges. */
 static void LineOf(const MpmRules *rules, PetscInt a, PetscInt cell, PetscInt lower, PetscInt upper, Line *line)
 {
-  const PetscInt  degree = MpmShapeDegree(rules->shape), parts = degree % 2 ? 1 : 2, n = degree + 1;
-  const PetscReal h = rules->grid->start_h[a];
+  const PetscInt  degree = MpmShapeDegree(rules->shape), n = degree + 1;
+  const PetscInt  parts = degree % 2 || MpmShapeOrder(rules->shape) > 1 ? 1 : 2;
+  const PetscReal h     = rules->grid->start_h[a];
   PetscReal       w[PLACES][MPM_MAX_WIDTH], g[PLACES][MPM_MAX_WIDTH], dV[PLACES];
   PetscInt        first[PLACES], count[PLACES], last = 0;
 

@@ -57,6 +57,23 @@ BLOCK = """mpm:
   quiet: true
 """
 
+BENT = """mpm:
+  dim: {dim}
+  shape: element
+  order: {order}
+  grid: {{lower: "{zero}", upper: "{one}", cells: "{two}"}}
+  materials: block
+  material_block: {{type: linear_elastic, E: 100, nu: 0.3, density: 1}}
+  bodies: block
+  body_block: {{region: file, file: points.csv, material: block}}
+  bcs: fixed,bent
+  bc_fixed: {{region: box, lower: "{zero}", upper: "0{top}", components: "{axes}"}}
+  bc_bent: {{region: box, lower: "1{y}", upper: "{one}", components: "y", value: "1e-6", ramp: "0:0,1:1"}}
+  stabilization: {{fbar: false}}
+  time: {{end: 1, step: 1}}
+  output: {{every: 0}}
+  quiet: true
+"""
 
 # a block in air that is next to nothing
 UNSEEN = """mpm:
@@ -151,6 +168,25 @@ def block(test, dim, shape, ranks=1, **options):
     (folder / "block.yaml").write_text(block_text(dim, shape))
     run = test.run(folder / "block.yaml", ranks=ranks, **options)
     return folder, run, np.array(run.results.history["reaction_drawn_x"])
+
+
+def doubled(test, dim, order, ranks):
+    """Force of a bent block of elements at Gauss points, under a background of its own law, over that without."""
+    folder, force = test.folder(), []
+    places, weights = np.polynomial.legendre.leggauss(order + 1)
+    line = np.concatenate([(places + 1.0) / 4.0, (places + 3.0) / 4.0])
+    x = np.stack(np.meshgrid(*[line] * dim, indexing="ij"), axis=-1).reshape(-1, dim)
+    volume = np.prod(np.stack(np.meshgrid(*[np.tile(weights, 2) / 4.0] * dim, indexing="ij"), axis=-1).reshape(-1, dim), axis=1)
+    np.savetxt(folder / "points.csv", np.column_stack([x, volume]), delimiter=",", fmt="%.17g", comments="",
+               header=",".join([*"xyz"[:dim], "volume"]))
+    zero, one = ("0" + ",0" * (dim - 1)), ("1" + ",1" * (dim - 1))
+    for more in ({}, {"mpm_backgrounds": "own"}):
+        (folder / "bent.yaml").write_text(BENT.format(dim=dim, order=order, zero=zero, one=one, two="2" + ",2" * (dim - 1),
+                                                      axes=",".join("xyz"[:dim]), y=",0" * (dim - 1), top=",1" * (dim - 1)))
+        more = {**more, **({f"mpm_background_own_{key}": value for key, value in
+                            {"region": "all", "E": 100, "nu": 0.3}.items()} if more else {})}
+        force.append(test.run(folder / "bent.yaml", ranks=ranks, **more).results.history["reaction_bent_y"][-1])
+    return force[1] / force[0]
 
 
 def cell(test, *more, ranks=1, **options):
@@ -304,7 +340,7 @@ with Test() as test:
     test.check("air.written", float(len(run.results.state("last")["material"])), 64 * 4 * 7 / 8, 64 * 4 * 7 / 8)
 
     modulus = 100 * 0.7 / (1.3 * 0.4)
-    for dim, shape in ((2, "linear"), (2, "gimp_bspline2"), (3, "linear"), (2, "bspline3")):
+    for dim, shape in ((2, "linear"), (2, "gimp_bspline2"), (3, "linear"), (2, "bspline3"), (2, "gimp_element")):
         folder, whole, force = block(test, dim, shape)
         # half of the grid is filled, and all of it has the background
         exact = 1e-4 * np.array([0.25, 0.5, 0.75, 1.0]) * modulus * (0.5 + 0.5)
@@ -314,6 +350,9 @@ with Test() as test:
             test.check("background.ranks_3", abs(split - force).max() / exact[-1], None, 1e-9)
             on = test.run(folder / "block.yaml", ranks=3, mpm_restart=next(whole.folder.glob("*checkpoint*2.h5")))
             test.check("background.restart", abs(np.array(on.results.history["reaction_drawn_x"])[-1] - force[-1]) / exact[-1], None, 1e-9)
+
+    for dim, order, ranks in ((2, 2, 3), (2, 4, 1), (3, 2, 1), (3, 3, 1)):
+        test.near(f"background.{dim}.bent.{order}", doubled(test, dim, order, ranks), 2.0, relative=1e-5)
 
     empty, fewest = cell(test)
     air, more = cell(test, "air.yaml")
