@@ -195,11 +195,16 @@ def print_nearest(sources):
 def read_objects(build):
     """For each source whose object file is in the build tree: the symbols that it defines, and those that it uses."""
     found = {}
-    for path in sorted(build.glob("CMakeFiles/*.dir/**/*.o")):
+    paths = sorted(build.glob("CMakeFiles/*.dir/**/*.o"))
+    texts = subprocess.run(["nm", "--extern-only", *paths], capture_output=True, text=True, check=True).stdout.split("\n\n")
+    for path, text in zip(paths, texts, strict=True):
         source = str(path.relative_to(build)).split(".dir/", 1)[1][: -len(".o")]
         if source.split("/")[0] not in ("src", *KERNELS) or not (ROOT / source).exists():
             continue
-        listed = SYMBOL.findall(subprocess.run(["nm", path], capture_output=True, text=True, check=True).stdout)
+        heading, *lines = text.strip().split("\n")
+        if heading != f"{path}:":
+            sys.exit(f"nm speaks of {heading} and not of {path}")
+        listed = SYMBOL.findall("\n".join(lines))
         defined, used = found.setdefault(source, (set(), set()))
         defined |= {name for kind, name in listed if kind.isupper() and kind != "U"}
         used |= {name for kind, name in listed if kind == "U"}
