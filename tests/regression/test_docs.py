@@ -20,6 +20,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ENVIRONMENT, ROOT, TIME_LIMIT, Test  # noqa: E402
+import warm_python  # noqa: E402
 
 FENCE = re.compile(r"^```(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#:]+)(?:#[^)]*)?\)")
@@ -119,9 +120,11 @@ def main():
     with Test() as test:
         check_comments(test)
         folder, environment = surroundings(test)
-        unused, count = set(), 0
-        for page in pages():
-            count += read_page(test, page, folder, environment, unused)
+        unused, count, place = set(), 0, str(test.folder())
+        with warm_python.serve(place, ROOT) as python:
+            environment |= {"TALUS_PYTHON": python, warm_python.NAME: place}
+            for page in pages():
+                count += read_page(test, page, folder, environment, unused)
         test.check("commands", count, lower=30)
         for path in (ROOT / "docs").glob("*.md"):
             test.check(f"listed:{path.name}", int(path in pages()), 1, 1)
