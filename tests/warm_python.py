@@ -1,7 +1,7 @@
 #!/usr/bin/python3 -IS
 """A Python that has numpy, h5py and matplotlib loaded: for TALUS_PYTHON, by which `talus plot` finds its Python.
 
-    with serve(folder, root) as path:    # a server in a forked process; TALUS_PYTHON=path, in the environment TALUS_WARM_PYTHON=folder
+    with serve(folder, root) as path:  # for runs with TALUS_PYTHON=path and TALUS_WARM_PYTHON=folder
 
 Run as a program, it hands its words, folder, environment and open files to the server, which runs the script in a fork of
 its own: a third of the time of a picture.
