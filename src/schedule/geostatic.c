@@ -15,6 +15,7 @@
 #include "point/layout.h"
 #include "point/material.h"
 #include "point/stress_inversion.h"
+#include "grid/shape.h"
 #include "particles/particles.h"
 #include "particles/points.h"
 #include "space/rules.h"
@@ -193,9 +194,21 @@ static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, 
 #define SLOWS    0.5  /* of the way half of the iterations ago: with less it converges */
 #define COLLAPSE 0.01 /* of the first displacement under the full loads: ground that moves on by more does not stand */
 
+/* True where elements have fewer points a cell than they need. */
+static PetscBool AreFew(const MpmModel model)
+{
+  const MpmShapeType shape = model->scene.shape.type;
+
+  for (PetscInt m = 0; MpmShapeOrder(shape) > 1 && m < model->scene.materials->count; m++)
+    if (MpmShapeSpacing(shape, model->scene.materials->at[m].spacing) >= 1.) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /*
-  Reason for which no equilibrium was found in the allowed iterations: slow convergence, collapse, or oscillation of
-  points. `first` and `half`: the largest displacements in the first iteration and after half of them, m.
+  Reason for which no equilibrium was found in the allowed iterations: slow convergence, few points, collapse, or
+  oscillation of points. The ghost penalty on increments holds modes that few points do not strain, and puts no lasting
+  force against their loads. `first` and `half`: the largest displacements in the first iteration and after half of
+  them, m.
 */
 static void ExplainIterations(MpmModel model, const MpmRest *rest, PetscInt solved, PetscReal first, PetscReal half,
                               MpmOutcome *outcome)
@@ -204,7 +217,10 @@ static void ExplainIterations(MpmModel model, const MpmRest *rest, PetscInt solv
   const PetscReal most = stage->geostatic.tolerance * rest->height, moved = rest->moved;
   char            text[256];
 
-  if (moved < SLOWS * half) {
+  if (AreFew(model))
+    (void)PetscSNPrintf(text, sizeof(text), "%s needs %" PetscInt_FMT " points a cell on each axis to come to rest",
+                        MpmShapeName(model->scene.shape.type), MpmShapeOrder(model->scene.shape.type) + 1);
+  else if (moved < SLOWS * half) {
     const PetscReal rate = PetscPowReal(moved / half, 1. / PetscMax(1., (PetscReal)(solved - solved / 2)));
 
     (void)PetscSNPrintf(text, sizeof(text),

@@ -40,9 +40,11 @@ with Test() as test:
     for form in ("coloring", "matfree"):
         same(test, f"fbar.{form}", alone, test.run(scene, mpm_jacobian=form, **options), 1e-9)
     # a cut that fails at 1.133: with one mean a cell, whose volume changes vary without stress, at 1.02; with gimp at 1.197
-    cut = test.run(Path(__file__).parent / "vertical_cut.yaml", mpm_shape="gimp_element", mpm_order=2, mpm_grid_cells="26,18",
-                   mpm_body_cut_points_per_cell="3,3", mpm_quiet=None)
+    ground, options = Path(__file__).parent / "vertical_cut.yaml", {"mpm_shape": "gimp_element", "mpm_order": 2, "mpm_quiet": None}
+    cut = test.run(ground, mpm_grid_cells="26,18", mpm_body_cut_points_per_cell="3,3", **options)
     test.near("fbar.cut", cut.results.summary["factor_of_safety"], 1.133, relative=0.025)
+    few = test.run(ground, mpm_grid_cells="13,9", mpm_stage_rest_geostatic_iterations=5, status=3, **options)
+    test.check("few.line", "needs 3 points a cell on each axis to come to rest" in few.errors, True, True)
     for name, (options, text) in REFUSED.items():
         run = test.run(scene, status=2, **{"mpm_shape": "element", **options})
         test.check(f"{name}.line", text in run.errors, True, True)
