@@ -25,8 +25,8 @@ def check_manual(test):
     test.check("help.width", max(map(len, general.stdout.splitlines())), None, 120)
     test.check("help.of_petsc", general.stdout.count("PETSc Team"), None, 0)
     for path in sorted(EXAMPLES.glob("*/case*.yaml")):
-        plugin = ["-mpm_plugin", Path(test.program).parent / "bp.so"] if path.parent.name == "bps" else []
-        manual = call([test.program, "-options_file", path, *plugin, "-help"], place).stdout
+        plugin = {"mpm_plugin": Path(test.program).parent / "bp.so"} if path.parent.name == "bps" else {}
+        manual = test.run(path, **plugin, help=None).output
         ours = [name for name in parse_scene(path.read_text(encoding="utf-8")) if name.startswith("mpm_")]
         missing = [name for name in ours if f"  -{name} " not in manual and f"  -{name}\n" not in manual]
         test.check(f"help.missing.{path.parent.name}", len(missing), None, 0)
