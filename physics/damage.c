@@ -222,7 +222,11 @@ static int DamageKernel(const MpmKernelPoint *point, const Scalar input[], Scala
   return DamageFluxes(point, input, &parts, flux);
 }
 #else
-/* With directions for dF alone, which is what laws are compiled for; `staggered` leaves out what dF does to d. */
+/*
+  With directions for dF alone, which is what laws are compiled for; `staggered` leaves out what dF does to d. On its
+  lower bound d has any stiffness from none to the spring's, of which that of AT2 is taken: a body that is sound by AT1
+  has no other against one change of d everywhere, and a tangent without it is singular.
+*/
 static int DamageKernelTangent(const MpmKernelPoint *point, const double input[], double flux[], double tangent[])
 {
   const double *physics = point->physics_parameter, density = Density(physics), scale = physics[SCALE] * point->volume0;
@@ -244,7 +248,7 @@ static int DamageKernelTangent(const MpmKernelPoint *point, const double input[]
   }
   for (int k = 0; k < GRADIENTS; k++) tangent[k * INPUTS + D] = 2. * rest * (input[D] - 1.) * ScalarValue(plus[k]);
   bend = 2. * rest * ScalarValue(Drive(point, parts.drive)) + Held(point, input[D], &bound);
-  if ((int)physics[REGULARISATION] == AT2) bend += 2. * density;
+  if ((int)physics[REGULARISATION] == AT2 || input[D] == Least(point)) bend += 2. * density;
   tangent[D * INPUTS + D] = scale * bend;
   for (int a = 0; a < MPM_DIM; a++) {
     for (int b = 0; b < MPM_DIM; b++) {

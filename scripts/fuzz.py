@@ -41,6 +41,7 @@ ROOT = Path(__file__).resolve().parent.parent
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
                "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "ASAN_OPTIONS": "detect_leaks=0"}
 # One rank needs no daemon, and no look at a network's hardware: starts ten times as fast.
+SESSIONS = "OMPI_MCA_orte_tmpdir_base"
 ALONE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1"}
 CRASHES = ("PETSC ERROR", "MPI_ABORT", "Caught signal", "Sanitizer", "runtime error:", "*** Process received signal",
            "terminate called", "malloc():", "free():", "corrupted")
@@ -79,8 +80,9 @@ class Option:
 def ask_help(program, options):
     """The options of a scene by name, as -help tells them."""
     words = [word for name, value in options.items() for word in ("-" + name, value)]
-    output = subprocess.run([program, *words, "-help"], env={**ENVIRONMENT, **ALONE}, capture_output=True, text=True,
-                            timeout=60, check=False).stdout
+    with tempfile.TemporaryDirectory(prefix="talus_fuzz_") as folder:  # runs at a time would share sessions, and remove them
+        output = subprocess.run([program, *words, "-help"], env={**ENVIRONMENT, **ALONE, SESSIONS: folder}, capture_output=True,
+                                text=True, timeout=60, check=False).stdout
     output = re.sub(r"\n {10,}", " ", output)  # lines that go on
     return {name: Option(text) for name, text in re.findall(r"^  -(mpm_\w+) +(.*)$", output, re.MULTILINE)
             if not re.search("_(NAME|BLOCK)_", name)}
@@ -145,7 +147,7 @@ class Scene:
                 begin = time.monotonic()
                 try:
                     status = subprocess.run([program, "-options_file", "scene.yaml", "-mpm_quiet"], cwd=folder,
-                                            env={**ENVIRONMENT, **ALONE}, capture_output=True, timeout=20.0 * SLOW,
+                                            env={**ENVIRONMENT, **ALONE, SESSIONS: folder}, capture_output=True, timeout=20.0 * SLOW,
                                             check=False).returncode
                 except subprocess.TimeoutExpired:
                     return False
@@ -610,7 +612,7 @@ class Outcome:
     def __init__(self, case, program, folder, limits):
         self.folder, kept = folder, set(os.listdir(folder))
         sessions = tempfile.mkdtemp(prefix="s", dir=limits.place)  # cases at a time would share it, and remove it
-        environment = {**ENVIRONMENT, "OMPI_MCA_orte_tmpdir_base": sessions, **(ALONE if case.ranks == 1 else {})}
+        environment = {**ENVIRONMENT, SESSIONS: sessions, **(ALONE if case.ranks == 1 else {})}
         command = ["/bin/sh", "-c", f'ulimit -v {limits.memory}; ulimit -c 0; exec "$@"', "sh", *command_of(case, program)]
         if limits.memory == 0:
             command = command[4:]
