@@ -34,17 +34,21 @@ PetscErrorCode MpmShapeRead(MpmModel model, const MpmOptions *options)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define REASON "whose lumped masses are negative in cells that material fills in part; needs order 1, or implicit steps"
+
 /* Inertia with elements of order 2 and more, in the stages and where the step may be rescued. */
 static PetscErrorCode CheckInertia(const MpmModel model, const char *name)
 {
   PetscFunctionBeginUser;
   for (PetscInt k = 0; k < model->scene.stages.count; k++) {
-    const MpmTimeControl   *time   = &model->scene.stages.at[k].time;
+    const MpmStage         *stage  = &model->scene.stages.at[k];
+    const MpmTimeControl   *time   = &stage->time;
     const MpmMotionControl *motion = &time->motion;
 
+    MpmCheckInput(!stage->relaxation.on || time->rescue,
+                  "-mpm_stage_%s_type relaxation: not available with -mpm_shape %s, " REASON, stage->name, name);
     MpmCheckInput(motion->type != MPM_EXPLICIT && !time->rescue,
-                  "-mpm_time_%s: not available with -mpm_shape %s, whose lumped masses are negative in cells that "
-                  "material fills in part; needs order 1, or implicit steps",
+                  "-mpm_time_%s: not available with -mpm_shape %s, " REASON,
                   time->rescue ? "rescue relaxation" : "integrator explicit", name);
     if (motion->type == MPM_QUASISTATIC) continue;
     MpmCheckInput(!motion->lumped, "-mpm_time_mass lumped: must be consistent with -mpm_shape %s", name);
