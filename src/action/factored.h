@@ -57,8 +57,8 @@ typedef struct {
   PetscBool        turned; /* some share couples different components */
 } MpmCoarseBox;
 
-/* Coarse functions: `box` describes a box of n local nodes, lent until its next call; `add` takes the products of its
-   coarse unknowns, node by node, row-major. */
+/* Coarse functions: `box` describes a box of n local nodes, lent until its next call, without coarse nodes where the
+   box is left out; `add` takes the products of its coarse unknowns, node by node, row-major. */
 typedef struct {
   void *ctx;
   PetscErrorCode (*box)(void *ctx, PetscInt n, const PetscInt nodes[], MpmCoarseBox *box);
@@ -67,6 +67,9 @@ typedef struct {
 
 /* P^T A P by boxes: some five times the work of a product. */
 PetscErrorCode MpmFactoredProject(const MpmFactored *factored, const MpmCoarse *coarse);
+
+/* Least and largest trace of a tangent of each group's points. */
+void MpmFactoredRange(const MpmFactored *factored, PetscReal least[], PetscReal most[]);
 
 /* Bytes that it takes. */
 size_t MpmFactoredBytes(const MpmFactored *factored);

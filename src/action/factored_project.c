@@ -172,6 +172,7 @@ static PetscErrorCode ProjectBox(const MpmFactored *factored, const MpmStack *st
 
   PetscFunctionBeginUser;
   PetscCall(coarse->box(coarse->ctx, stack->count[0] * stack->count[1] * stack->count[2], nodes, &box));
+  if (!box.count) PetscFunctionReturn(PETSC_SUCCESS);
   width              = box.count * bs;
   const Kind   kind  = {space->dim, bs, factored->gradient, box.turned};
   const size_t lanes = (size_t)(width * BasisSize(kind)) + (size_t)(width * width);
@@ -204,4 +205,28 @@ PetscErrorCode MpmFactoredProject(const MpmFactored *factored, const MpmCoarse *
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmFactoredRange(const MpmFactored *factored, PetscReal least[], PetscReal most[])
+{
+  const PetscInt N = factored->inputs;
+
+  for (PetscInt g = 0; g < factored->sum->space->group_count; g++) {
+    least[g] = PETSC_MAX_REAL;
+    most[g]  = 0.;
+  }
+  for (PetscInt lane = 0; lane < factored->batch_count * MPM_LANES; lane++) {
+    const PetscInt g = factored->group[lane], first = lane / MPM_LANES * factored->size * MPM_LANES + lane % MPM_LANES;
+    PetscReal      trace = 0.;
+
+    if (g < 0) continue;
+    for (PetscInt k = 0; k < N; k++) {
+      const PetscInt at = first + (factored->half ? MpmTriangleAt(N, k, k) : k * (N + 1)) * MPM_LANES;
+
+      trace += factored->single ? (PetscReal)((const float *)factored->tangent)[at]
+                                : ((const PetscReal *)factored->tangent)[at];
+    }
+    least[g] = PetscMin(least[g], trace);
+    most[g]  = PetscMax(most[g], trace);
+  }
 }

@@ -14,6 +14,7 @@
 #include "bc/bc.h"
 #include "assembly/sparsity.h"
 #include "levels/level.h"
+#include "levels/patches.h"
 #include "levels/project.h"
 
 /* Unknowns of a level that a direct solver takes. */
@@ -165,7 +166,7 @@ static PetscErrorCode Shift(Mat A)
 }
 
 /* The first coarse operator from the points' tangents and from element blocks. */
-static PetscErrorCode ProjectFinest(Levels *levels)
+static PetscErrorCode ProjectFinest(Levels *levels, Mat A)
 {
   const MpmElementAction action = {.take = MpmProjectionTake, .ctx = levels->projection};
   const MpmCoarse        coarse = MpmProjectionCoarse(levels->projection);
@@ -176,6 +177,7 @@ static PetscErrorCode ProjectFinest(Levels *levels)
   PetscCall(MatZeroEntries(levels->A[0]));
   PetscCall(levels->step.tangent(levels->step.ctx, &action, &factored));
   if (factored) PetscCall(MpmFactoredProject(factored, &coarse));
+  if (factored && levels->choice.cells) PetscCall(MpmPatchesCompose(&levels->step, factored, A));
   PetscCall(MpmProjectionEnd(levels->projection));
   PetscCall(VecDuplicate(levels->held[0], &keep));
   PetscCall(VecCopy(levels->held[0], keep));
@@ -197,7 +199,7 @@ static PetscErrorCode MakeOperators(Levels *levels, Mat A)
     Mat fine = k ? levels->A[k - 1] : A;
     KSP smoother;
 
-    if (levels->shell && !k) PetscCall(ProjectFinest(levels));
+    if (levels->shell && !k) PetscCall(ProjectFinest(levels, A));
     else
       PetscCall(MatPtAP(fine, levels->P[k], levels->A[k] ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX, PETSC_DEFAULT,
                         &levels->A[k]));
@@ -306,6 +308,7 @@ PetscErrorCode MpmLevelsRegister(void)
 {
   PetscFunctionBeginUser;
   PetscCall(PCRegister("levels", Create));
+  PetscCall(MpmPatchesRegister());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

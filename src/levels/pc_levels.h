@@ -18,6 +18,7 @@ typedef struct {
   PetscInt     orders, order[MPM_ORDER]; /* of the first levels, that of the finest one included */
   MpmShapeType shape;
   MpmEdgeType  edge;
+  PetscBool cells; /* without a matrix: inverses of cells with stiff and soft points, for smoothers of type `cells` */
 } MpmLevelsChoice;
 
 struct MpmElementAction;

@@ -9,7 +9,7 @@
 #include "problem/discretization.h"
 #include "solve/solve.h"
 
-static const char *const smoothers[]  = {"auto", "jacobi", "pbjacobi", "ilu", NULL};
+static const char *const smoothers[]  = {"auto", "jacobi", "pbjacobi", "ilu", "cells", NULL};
 static const char *const coarsest[]   = {"direct", "gamg", NULL};
 static const char *const precisions[] = {"double", "single", NULL};
 
@@ -104,8 +104,9 @@ PetscErrorCode MpmMultigridSetFromOptions(MpmSolver *solver, const MpmOptions *o
                   3, MPM_OPTIONAL, &multigrid->levels.coarsen, NULL));
   PetscCall(MpmOptionsWord(
     options, "multigrid_smoother",
-    "preconditioner of Chebyshev's method on the levels (ilu: ICC(0) where the Jacobian is symmetric); auto: ilu, or "
-    "jacobi with contact and where the finest level has no matrix",
+    "preconditioner of Chebyshev's method on the levels (ilu: ICC(0) where the Jacobian is symmetric; cells: jacobi, "
+    "and "
+    "the inverse in cells with stiff and soft points); auto: ilu, jacobi with contact, cells without a matrix",
     smoothers, MPM_OPTIONAL, &multigrid->smoother, NULL));
   PetscCall(MpmOptionsInt(options, "multigrid_smooths",
                           "its steps before and after the coarser level (by default 1 with ICC(0), otherwise 3)", 1, 20,
@@ -125,7 +126,7 @@ PetscErrorCode MpmMultigridSetFromOptions(MpmSolver *solver, const MpmOptions *o
   part of the eigenvalues costs least. The stiff couplings of contacts shift its pivots: Jacobi there. Where the
   Jacobian is not symmetric `auto` leaves the choice to that of other multigrids (presets.c).
 */
-static PetscErrorCode ApplySmoother(const MpmSolver *solver, PetscBool contacts)
+static PetscErrorCode ApplySmoother(MpmSolver *solver, PetscBool contacts)
 {
   const PetscBool symmetric = solver->definite.symmetric;
   const PetscBool shell     = (PetscBool)(solver->jacobian.form == MPM_JACOBIAN_MATFREE);
@@ -137,7 +138,10 @@ static PetscErrorCode ApplySmoother(const MpmSolver *solver, PetscBool contacts)
   PetscFunctionBeginUser;
   PetscCall(MpmDatabaseHas("mg_levels_pc_type", &chosen));
   if (chosen) name = "auto";
-  else if (!strcmp(name, "auto") && (symmetric || shell)) name = contacts || shell ? "jacobi" : "ilu";
+  else if (!strcmp(name, "auto") && (symmetric || shell)) name = shell ? "cells" : contacts ? "jacobi" : "ilu";
+  MpmCheckInput(shell || strcmp(name, "cells"),
+                "-mpm_multigrid_smoother cells: needs -mpm_jacobian matfree, must be another with a matrix");
+  solver->multigrid.levels.cells = (PetscBool)!strcmp(name, "cells");
   if (!strcmp(name, "ilu")) {
     PetscCall(MpmDatabaseDefault("-mg_levels_pc_type", PCBJACOBI));
     PetscCall(MpmDatabaseDefault("-mg_levels_sub_pc_type", symmetric ? PCICC : PCILU));

@@ -100,6 +100,22 @@ def elements(test):
             test.check("order2.on_3.iterations", iterations(three) - iterations(pmg), None, 4)
 
 
+def cells(test):
+    """Stiff and soft points in the same cells: inverses of these where Jacobi's method does not serve; on 3 ranks."""
+    hole = {"region": "sphere", "center": "0.77,0.73,0.5", "radius": 0.36, "points_per_cell": "4,4,4", "material": "air", "priority": "true"}
+    air = {"type": "linear_elastic", "E": 100, "nu": 0, "density": 1e-6}
+    options = {"mpm_shape": "element", "mpm_order": 2, "mpm_body_block_points_per_cell": "4,4,4", "mpm_materials": "rock,air",
+               "mpm_material_rock_type": "linear_elastic", "mpm_material_rock_E": 1e8, "mpm_bodies": "block,hole", "ksp_rtol": 1e-8,
+               "mpm_jacobian": "matfree", **{f"mpm_body_hole_{key}": value for key, value in hole.items()},
+               **{f"mpm_material_air_{key}": value for key, value in air.items()}}
+    one, jacobi = (test.run(BLOCK, mpm_multigrid_smoother=smoother, **options, **PMG) for smoother in ("auto", "jacobi"))
+    three = test.run(BLOCK, ranks=3, **options, **PMG)
+    test.check("cells.jacobi", iterations(one) / iterations(jacobi), None, 0.5)
+    test.check("cells.answer", apart(one, jacobi), None, 1e-6)
+    test.check("cells.on_3", apart(one, three), None, 1e-6)
+    test.check("cells.on_3.iterations", iterations(three) / iterations(jacobi), None, 0.8)
+
+
 def scenes(test):
     """Rollers at an angle, and contact with a Jacobian that is not symmetric: as many Newton iterations as a direct solver."""
     for name, scene, solver, options in (("rollers", BLOCK.parent / "rollers.yaml", "hmg", {}),
@@ -116,6 +132,7 @@ def refused(test):
                                  ("multigrid_levels", "many", "must be auto or a number"),
                                  ("multigrid_coarsen", 4, "-mpm_multigrid_coarsen"),
                                  ("multigrid_smoother", "sponge", "-mpm_multigrid_smoother"),
+                                 ("multigrid_smoother", "cells", "needs -mpm_jacobian matfree"),
                                  ("mat_type", "baij", "not available with -mpm_solver hmg")):
         run = test.run(BLOCK, status=2, **{f"mpm_{name}": value}, **HMG)
         test.check(f"{name}.{value}", message in run.errors, True, True)
@@ -131,5 +148,6 @@ with Test() as harness:
     answers(harness)
     operators(harness)
     elements(harness)
+    cells(harness)
     scenes(harness)
     refused(harness)
