@@ -87,13 +87,10 @@ PetscErrorCode MpmFacetsAdd(MpmFacets *facets, const MpmFacet *facet)
 PetscInt64 MpmFacetCell(const MpmGrid *grid, const PetscReal x[], PetscInt part)
 {
   PetscInt64 number = part;
+  PetscInt   at[MPM_MAX_DIM];
 
-  for (PetscInt a = grid->dim - 1; a >= 0; a--) {
-    const PetscInt  count = grid->order * grid->cells[a];
-    const PetscReal xi    = PetscFloorReal((PetscReal)grid->order * ((x[a] - grid->lower[a]) / grid->h[a]));
-
-    number = number * count + (PetscInt)PetscMin(PetscMax(xi, 0.), (PetscReal)(count - 1));
-  }
+  MpmGridFindPart(grid, x, at);
+  for (PetscInt a = grid->dim - 1; a >= 0; a--) number = number * (grid->order * grid->cells[a]) + at[a];
   return number;
 }
 

@@ -80,6 +80,8 @@ PetscMPIInt MpmGridCellOwner(const MpmGrid *grid, const PetscInt cell[]);
 PetscInt MpmGridBoxOwners(const MpmGrid *grid, const PetscInt lower[], const PetscInt upper[], PetscMPIInt owner[]);
 /* The cell that holds a place (a point on a face belongs to the upper cell, except at the grid's upper edge). */
 void MpmGridFindCell(const MpmGrid *grid, const PetscReal x[], PetscInt cell[]);
+/* The part of a cell, one of order^dim equal ones, that holds a place; counted over all cells on each axis. */
+void MpmGridFindPart(const MpmGrid *grid, const PetscReal x[], PetscInt part[]);
 /*
   Appends copies of other ranks' records to the own ones. boxes[k] has the lower and the upper vertex, three indices
   each, of the box about record k, which goes to all ranks that own vertices of it. Records are of `size` bytes, whole

@@ -20,6 +20,16 @@ const PetscReal *MpmCellNodes(PetscInt order)
   return place[order - 1];
 }
 
+void MpmGridFindPart(const MpmGrid *grid, const PetscReal x[], PetscInt part[])
+{
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) part[a] = 0;
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscReal xi = PetscFloorReal((PetscReal)grid->order * ((x[a] - grid->lower[a]) / grid->h[a]));
+
+    part[a] = (PetscInt)PetscMin(PetscMax(xi, 0.), (PetscReal)(grid->order * grid->cells[a] - 1));
+  }
+}
+
 void MpmGridNodeAtStart(const MpmGrid *grid, const PetscInt node[], PetscReal start[])
 {
   for (PetscInt a = 0; a < grid->dim; a++)

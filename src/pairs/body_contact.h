@@ -39,7 +39,7 @@ typedef struct {
   MpmPairLever lever;
 } MpmPatchSide;
 
-/* The facets of the first body in one cell, and those of the second that lie across. */
+/* The facets of the first body in one cell, or part of one (MpmGridFindPart), and those of the second across. */
 typedef struct {
   PetscInt  pair;
   PetscReal normal[MPM_MAX_DIM], gap,

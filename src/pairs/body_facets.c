@@ -82,7 +82,7 @@ static MpmPairFacet MakeFacet(const MpmPairContacts *contacts, const MpmRules *r
   MpmPairFacet       made = {.part = points->domain.part[p], .id = points->id[p], .face = face, .point = p};
 
   MpmOuterFace(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], face / 2, face % 2, arm, made.area);
-  MpmGridFindCell(rules->grid, &points->x[p * dim], cell);
+  MpmGridFindPart(rules->grid, &points->x[p * dim], cell);
   for (PetscInt a = 0; a < dim; a++) {
     made.place[a] = facet.place[a] = points->x[p * dim + a] + arm[a];
     made.cell[a]                   = (PetscReal)cell[a];
@@ -199,13 +199,13 @@ static PetscErrorCode OwnFacets(MpmPairContacts *contacts, const MpmRules *rules
 void MpmPairFacetCells(const MpmGrid *grid, const MpmPairFacet *facet, PetscReal reach, PetscInt lower[],
                        PetscInt upper[])
 {
-  const PetscInt more = (PetscInt)ceil(reach) + 1;
+  const PetscInt more = (PetscInt)ceil((PetscReal)grid->order * reach) + 1;
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     const PetscInt cell = a < grid->dim ? (PetscInt)facet->cell[a] : 0;
 
     lower[a] = a < grid->dim ? PetscMax(cell - more, 0) : 0;
-    upper[a] = a < grid->dim ? PetscMin(cell + more, grid->cells[a] - 1) : 0;
+    upper[a] = a < grid->dim ? PetscMin(cell + more, grid->order * grid->cells[a] - 1) : 0;
   }
 }
 
@@ -221,6 +221,7 @@ static PetscErrorCode ShareFacets(MpmPairContacts *contacts, const MpmGrid *grid
     PetscInt *box = &boxes[2 * MPM_MAX_DIM * k];
 
     MpmPairFacetCells(grid, &contacts->facets.at[k], 2. * MPM_PAIR_SEARCH, box, box + MPM_MAX_DIM);
+    for (PetscInt a = 0; a < 2 * MPM_MAX_DIM; a++) box[a] /= grid->order;
   }
   PetscCall(MpmGridShare(grid, sizeof(MpmPairFacet), boxes, &contacts->facets.count, (void **)&contacts->facets.at));
   for (PetscInt k = own; k < contacts->facets.count; k++) contacts->facets.at[k].point = -1;

@@ -15,8 +15,8 @@ struct MpmPairFacet {
     across; /* id: of its point, which is `point` on this rank, -1: a copy; across: one of the other body is */
   PetscInt  first[MPM_MAX_DIM], count[MPM_MAX_DIM]; /* its nodes */
   PetscReal place[MPM_MAX_DIM], area[MPM_MAX_DIM], size,
-    cell[MPM_MAX_DIM];                              /* size: half the edge of a face; cell: of its point */
-  PetscReal       look[MPM_MAX_DIM], seen;          /* outward normal of the surface; area along it, 0: of a step */
+    cell[MPM_MAX_DIM];                     /* size: half the edge of a face; cell: of its point (MpmGridFindPart) */
+  PetscReal       look[MPM_MAX_DIM], seen; /* outward normal of the surface; area along it, 0: of a step */
   PetscReal       line[MPM_MAX_DIM][MPM_MAX_WIDTH]; /* weights by axis */
   MpmPairMaterial material;
   PetscInt        placed; /* on the surface that cut the lattice */
@@ -25,7 +25,7 @@ struct MpmPairFacet {
 /* Finds them, in one order: by cell, then by id; those of points in no contact are left out. Collective. */
 PetscErrorCode MpmPairFacetsFind(MpmPairContacts *contacts, const MpmRules *rules, const MpmPoints *points,
                                  const MpmSpace *space);
-/* Cells around a facet, `reach` sizes of the smallest on each side. */
+/* Cells, or parts of those of elements, around a facet, `reach` sizes of the smallest on each side. */
 void MpmPairFacetCells(const MpmGrid *grid, const MpmPairFacet *facet, PetscReal reach, PetscInt lower[],
                        PetscInt upper[]);
 /* The facets of a cell, [first, end) in their order. */

@@ -42,6 +42,8 @@ def second(test):
     """An element of order 2 presses back as gimp does on twice as many cells an axis: its nodes have a patch each."""
     run = test.run(example("rollers"), mpm_stages="press", mpm_shape="gimp_element", mpm_order=2, mpm_output_every=0, **COARSE)
     test.near("second.press", run.results.column("reaction_upper_y")[-1], -7.261e6, relative=0.02)
+    run = test.run(Path(__file__).parent / "pressed_strip.yaml", ranks=3, mpm_shape="gimp_element", mpm_order=2, mpm_grid_cells="20,12")
+    test.near("second.bodies", run.results.column("force_ab_y")[-1], 6.747e6, relative=0.08)  # gimp on 80 x 48 cells
 
 
 with Test() as check:
