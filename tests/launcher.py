@@ -1,7 +1,7 @@
-"""Runs of the program in forked processes of one that has its libraries loaded: see launcher.c. Half the time of a short run.
+"""Runs of the program in forked processes of one that has its libraries loaded: half the time of a short run.
 
-Used where it was built beside the program and from the same objects; otherwise the program itself is started. Scripts in
-Python are run in a fork of the test, which has numpy and h5py loaded: a sixth of the time of a short one.
+See launcher.c. Used where it was built beside the program and from the same objects; otherwise the program itself is
+started. Python scripts run in a fork of the test, which has numpy and h5py loaded: a sixth of the time of a short one.
 """
 import atexit
 import os

@@ -3,8 +3,8 @@
 
     with serve(folder, root) as path:  # for runs with TALUS_PYTHON=path and TALUS_WARM_PYTHON=folder
 
-Run as a program, it hands its words, folder, environment and open files to the server, which runs the script in a fork of
-its own: a third of the time of a picture.
+Run as a program, it hands its words, folder, environment and open files to the server. That runs the script in a fork:
+a third of the time of a picture.
 """
 import array
 import contextlib
