@@ -59,6 +59,31 @@ static PetscErrorCode Reset(Levels *levels)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The rows and columns of the first `components` of each node, in place of those of the whole block. */
+static PetscErrorCode RestrictComponents(PetscInt fine, PetscInt coarse, PetscInt bs, PetscInt components, Mat *P)
+{
+  const PetscInt owned[] = {fine, coarse};
+  PetscInt       begin[2];
+  IS             is[2];
+  Mat            whole = *P;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatGetOwnershipRange(whole, &begin[0], NULL));
+  PetscCall(MatGetOwnershipRangeColumn(whole, &begin[1], NULL));
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscInt *index;
+
+    PetscCall(PetscMalloc1((owned[k] * components), &index));
+    for (PetscInt i = 0; i < owned[k] * components; i++) index[i] = begin[k] + i / components * bs + i % components;
+    PetscCall(
+      ISCreateGeneral(PetscObjectComm((PetscObject)whole), owned[k] * components, index, PETSC_OWN_POINTER, &is[k]));
+  }
+  PetscCall(MatCreateSubMatrix(whole, is[0], is[1], MAT_INITIAL_MATRIX, P));
+  PetscCall(MatDestroy(&whole));
+  for (PetscInt k = 0; k < 2; k++) PetscCall(ISDestroy(&is[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The diagonal of unknowns of a level that are not solved for, otherwise zero. */
 static PetscErrorCode MakeHeld(const MpmLevel *level, PetscInt bs, PetscReal diagonal, Mat P, Vec *held)
 {
@@ -75,8 +100,8 @@ static PetscErrorCode MakeHeld(const MpmLevel *level, PetscInt bs, PetscReal dia
 /* Interpolation of all levels; the finest one's nodes stay for comparison. */
 static PetscErrorCode MakeLevels(Levels *levels, MPI_Comm comm)
 {
-  const MpmLevelsStep *step     = &levels->step;
-  const PetscInt       bs       = step->constraints->block;
+  const MpmLevelsStep *step = &levels->step;
+  const PetscInt       bs = step->constraints->block, components = step->components;
   const PetscInt       most     = levels->choice.levels ? levels->choice.levels - 1 : MPM_LEVELS_MOST - 1;
   const PetscInt       last     = levels->choice.orders - 1;
   const PetscBool      elements = (PetscBool)(MpmShapeOrder(levels->choice.shape) > 1);
@@ -98,9 +123,10 @@ static PetscErrorCode MakeLevels(Levels *levels, MPI_Comm comm)
     const PetscInt order  = levels->choice.order[PetscMin(k + 1, last)];
     MpmLevel       coarse;
 
-    if (k >= last && (widest < 2 || (k && !levels->choice.levels && level.count * bs <= COARSEST))) break;
+    if (k >= last && (widest < 2 || (k && !levels->choice.levels && level.count * components <= COARSEST))) break;
     PetscCall(MpmLevelCoarsen(&rules, &level, k ? NULL : &finest, order, &coarse, &levels->P[k]));
-    PetscCall(MakeHeld(&coarse, bs, step->constraints->diagonal, levels->P[k], &levels->held[k]));
+    if (components < bs) PetscCall(RestrictComponents(level.owned, coarse.owned, bs, components, &levels->P[k]));
+    PetscCall(MakeHeld(&coarse, components, step->constraints->diagonal, levels->P[k], &levels->held[k]));
     if (levels->shell && !k)
       PetscCall(MpmProjectionCreate(&levels->rows, step->space, comm, (const PetscInt[]){coarse.owned, coarse.count},
                                     &levels->projection, &levels->A[0]));

@@ -30,6 +30,7 @@ typedef struct {
   const MpmGrid        *grid;
   const MpmSpace       *space;
   const MpmConstraints *constraints;
+  PetscInt              components; /* of a node that the matrix has: the first ones of the constraints' block */
   PetscErrorCode (*tangent)(void *ctx, const struct MpmElementAction *action, const struct MpmFactored **factored);
   void *ctx;
 } MpmLevelsStep;

@@ -19,6 +19,7 @@
   solved for first, then the displacement with B times the new damage. This block Gauss-Seidel is exact in iterations
   in turn, where C = 0 (alternate.c). Source: Farrell and Maurini (2017), doi:10.1002/nme.5300.
 */
+#include "options/database.h"
 #include "particles/point_mass.h"
 #include "space/point_loop.h"
 #include "bc/bc.h"
@@ -33,6 +34,38 @@ PetscBool MpmFieldsplitServes(const MpmLayout *layout)
 PetscBool MpmFieldsplitServesDamage(const MpmLayout *layout)
 {
   return (PetscBool)(MpmFieldsplitServes(layout) && layout->traits.alternate);
+}
+
+#define PREFIX "fieldsplit_u_"
+
+/*
+  The displacement's multigrid: that on coarser lattices (src/levels), with one step of ILU(0) for saturated ground, and
+  with SOR under damage, since broken material under pressure is almost incompressible and has no stable incomplete
+  factors (docs/solver.md has tables). Contacts' stiff couplings of many nodes disturb both: GAMG there, with ILU(0),
+  and a shift in N/m, far below a node's stiffness, over singular blocks.
+*/
+PetscErrorCode MpmFieldsplitTune(MpmSolver *solver, PetscBool contacts)
+{
+  const PetscBool lattices = (PetscBool)(!contacts && !strcmp(solver->jacobian.mat_type, MATAIJ));
+  char            type[64] = "";
+  PetscBool       chosen;
+
+  PetscFunctionBeginUser;
+  if (lattices) PetscCall(MpmDatabaseDefault("-" PREFIX "pc_type", "levels"));
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-" PREFIX "pc_type", type, sizeof(type), &chosen));
+  if (!strcmp(type, "levels")) {
+    if (!solver->disc->layout->traits.saddle && !solver->multigrid.smoother)
+      PetscCall(MpmDatabaseDefault("-" PREFIX "mg_levels_pc_type", PCSOR));
+    PetscCall(MpmMultigridApply(solver, PREFIX, contacts));
+  }
+  if (chosen || !contacts) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmDatabaseHas(PREFIX "mg_levels_pc_type", &chosen));
+  if (chosen) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmDatabaseDefault("-" PREFIX "mg_levels_pc_type", "bjacobi"));
+  PetscCall(MpmDatabaseDefault("-" PREFIX "mg_levels_sub_pc_type", "ilu"));
+  PetscCall(MpmDatabaseDefault("-" PREFIX "mg_levels_sub_pc_factor_shift_type", "inblocks"));
+  PetscCall(MpmDatabaseDefault("-" PREFIX "mg_levels_sub_pc_factor_shift_amount", "1"));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split)
@@ -81,6 +114,7 @@ PetscErrorCode MpmFieldsplitAttach(MpmSolver *solver)
   if (MpmFieldsplitServesDamage(solver->disc->layout)) PetscCall(PCFieldSplitSetIS(pc, "d", solver->split.is[1]));
   PetscCall(PCFieldSplitSetIS(pc, "u", solver->split.is[0]));
   if (solver->disc->layout->traits.saddle) PetscCall(PCFieldSplitSetIS(pc, "p", solver->split.is[1]));
+  solver->split.levels = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -182,23 +216,54 @@ static PetscErrorCode MakeMass(const MpmSolver *solver, Mat mat)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver)
+/* The step's nodes for the displacement's preconditioner, which PETSc makes when it sets up the blocks. */
+static PetscErrorCode AttachLevels(MpmSolver *solver, PC pc)
+{
+  char     type[64] = "";
+  KSP     *block;
+  PC       own;
+  PetscInt count;
+
+  PetscFunctionBeginUser;
+  solver->split.levels = PETSC_FALSE;
+  PetscCall(PetscOptionsGetString(NULL, NULL, "-" PREFIX "pc_type", type, sizeof(type), NULL));
+  if (strcmp(type, "levels")) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PCSetOperators(pc, solver->jacobian.shell ? solver->jacobian.shell : solver->jacobian.assembled,
+                           solver->jacobian.assembled));
+  PetscCall(PCSetUp(pc));
+  PetscCall(PCFieldSplitGetSubKSP(pc, &count, &block));
+  PetscCall(KSPGetPC(block[solver->disc->layout->traits.saddle ? 0 : count - 1], &own));
+  PetscCall(MpmMultigridAttach(solver, own, solver->disc->dim));
+  PetscCall(PetscFree(block));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The matrix in place of the Schur complement. */
+static PetscErrorCode UpdateSchur(MpmSolver *solver, PC pc)
 {
   MpmFieldsplit *split = &solver->split;
   const MatReuse reuse = split->schur ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX;
-  KSP            ksp;
-  PC             pc;
 
   PetscFunctionBeginUser;
-  if (!split->on) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(TakeModes(solver));
-  if (!solver->disc->layout->traits.saddle) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateSubMatrix(solver->jacobian.assembled, split->is[1], split->is[1], reuse, &split->schur));
   if (!split->mass) PetscCall(MatDuplicate(split->schur, MAT_DO_NOT_COPY_VALUES, &split->mass));
   PetscCall(MakeMass(solver, split->mass));
   PetscCall(MatAXPY(split->schur, -1., split->mass, SAME_NONZERO_PATTERN));
+  PetscCall(PCFieldSplitSetSchurPre(pc, PC_FIELDSPLIT_SCHUR_PRE_USER, split->schur));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver)
+{
+  KSP ksp;
+  PC  pc;
+
+  PetscFunctionBeginUser;
+  if (!solver->split.on) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SNESGetKSP(solver->snes, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PCFieldSplitSetSchurPre(pc, PC_FIELDSPLIT_SCHUR_PRE_USER, split->schur));
+  PetscCall(TakeModes(solver));
+  if (solver->disc->layout->traits.saddle) PetscCall(UpdateSchur(solver, pc));
+  if (solver->split.levels) PetscCall(AttachLevels(solver, pc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -65,8 +65,9 @@ static PetscErrorCode ReadOrders(MpmSolver *solver, const MpmOptions *options)
 {
   MpmLevelsChoice *levels = &solver->multigrid.levels;
   const PetscInt   finest = MpmShapeOrder(levels->shape);
-  const PetscBool  pmg    = (PetscBool)!strcmp(solver->preset.name, "pmg");
-  char            *text;
+  const PetscBool  hmg    = (PetscBool)!strcmp(solver->preset.name, "hmg"),
+                  pmg     = (PetscBool)!strcmp(solver->preset.name, "pmg");
+  char *text;
 
   PetscFunctionBeginUser;
   PetscCall(MpmOptionsText(options, "multigrid_order",
@@ -83,7 +84,7 @@ static PetscErrorCode ReadOrders(MpmSolver *solver, const MpmOptions *options)
     MpmCheckInput(pmg, "-mpm_multigrid_order %s: must be given with -mpm_solver pmg only", text);
     PetscCall(ParseOrders(text, finest, levels));
   } else {
-    for (PetscInt order = finest / 2; pmg && order >= 1; order /= 2) levels->order[levels->orders++] = order;
+    for (PetscInt order = finest / 2; !hmg && order >= 1; order /= 2) levels->order[levels->orders++] = order;
   }
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -120,42 +121,54 @@ PetscErrorCode MpmMultigridSetFromOptions(MpmSolver *solver, const MpmOptions *o
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets an option of the levels with this prefix, unless the user has. */
+static PetscErrorCode Default(const char prefix[], const char name[], const char value[])
+{
+  char option[128];
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", prefix, name));
+  PetscCall(MpmDatabaseDefault(option, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
   Chebyshev's method with a smoother on all levels. Incomplete factors reach modes of little stiffness along stiff
   neighbours: cut cells of splines and of elements (docs/solver.md has the table). With ICC(0) one step over the upper
   part of the eigenvalues costs least. The stiff couplings of contacts shift its pivots: Jacobi there. Where the
   Jacobian is not symmetric `auto` leaves the choice to that of other multigrids (presets.c).
 */
-static PetscErrorCode ApplySmoother(MpmSolver *solver, PetscBool contacts)
+static PetscErrorCode ApplySmoother(MpmSolver *solver, const char prefix[], PetscBool contacts)
 {
-  const PetscBool symmetric = solver->definite.symmetric;
-  const PetscBool shell     = (PetscBool)(solver->jacobian.form == MPM_JACOBIAN_MATFREE);
-  const char     *name      = smoothers[solver->multigrid.smoother];
-  PetscInt        steps     = solver->multigrid.smooths;
-  char            smooths[16];
+  const PetscBool symmetric = solver->definite.symmetric, block = (PetscBool)(prefix[0] != 0);
+  const PetscBool shell = (PetscBool)(solver->jacobian.form == MPM_JACOBIAN_MATFREE && !block);
+  const char     *name  = smoothers[solver->multigrid.smoother];
+  PetscInt        steps = solver->multigrid.smooths;
+  char            smooths[16], own[64];
   PetscBool       chosen;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmDatabaseHas("mg_levels_pc_type", &chosen));
+  PetscCall(PetscSNPrintf(own, sizeof(own), "%smg_levels_pc_type", prefix));
+  PetscCall(MpmDatabaseHas(own, &chosen));
   if (chosen) name = "auto";
-  else if (!strcmp(name, "auto") && (symmetric || shell)) name = shell ? "cells" : contacts ? "jacobi" : "ilu";
+  else if (!strcmp(name, "auto") && (symmetric || shell || block)) name = shell ? "cells" : contacts ? "jacobi" : "ilu";
   MpmCheckInput(shell || strcmp(name, "cells"),
                 "-mpm_multigrid_smoother cells: needs -mpm_jacobian matfree, must be another with a matrix");
   solver->multigrid.levels.cells = (PetscBool)!strcmp(name, "cells");
   if (!strcmp(name, "ilu")) {
-    PetscCall(MpmDatabaseDefault("-mg_levels_pc_type", PCBJACOBI));
-    PetscCall(MpmDatabaseDefault("-mg_levels_sub_pc_type", symmetric ? PCICC : PCILU));
-    if (symmetric) PetscCall(MpmDatabaseDefault("-mg_levels_ksp_chebyshev_esteig", "0,0.3,0,1.1"));
-    else PetscCall(MpmDatabaseDefault("-mg_levels_sub_pc_factor_shift_type", "inblocks"));
-    if (symmetric && !steps) steps = 1;
-  } else if (strcmp(name, "auto")) PetscCall(MpmDatabaseDefault("-mg_levels_pc_type", name));
+    PetscCall(Default(prefix, "mg_levels_pc_type", PCBJACOBI));
+    PetscCall(Default(prefix, "mg_levels_sub_pc_type", symmetric ? PCICC : PCILU));
+    if (symmetric || block) PetscCall(Default(prefix, "mg_levels_ksp_chebyshev_esteig", "0,0.3,0,1.1"));
+    if (!symmetric) PetscCall(Default(prefix, "mg_levels_sub_pc_factor_shift_type", "inblocks"));
+    if ((symmetric || block) && !steps) steps = 1;
+  } else if (strcmp(name, "auto")) PetscCall(Default(prefix, "mg_levels_pc_type", name));
   PetscCall(PetscSNPrintf(smooths, sizeof(smooths), "%" PetscInt_FMT, steps ? steps : 3));
-  PetscCall(MpmDatabaseDefault("-mg_levels_ksp_max_it", smooths));
-  if (symmetric) PetscCall(MpmDatabaseDefault("-mg_levels_esteig_ksp_type", KSPCG)); /* GMRES keeps twelve vectors */
+  PetscCall(Default(prefix, "mg_levels_ksp_max_it", smooths));
+  if (symmetric) PetscCall(Default(prefix, "mg_levels_esteig_ksp_type", KSPCG)); /* GMRES keeps twelve vectors */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMultigridApply(MpmSolver *solver, PetscBool contacts)
+PetscErrorCode MpmMultigridApply(MpmSolver *solver, const char prefix[], PetscBool contacts)
 {
   const MpmMultigrid *multigrid = &solver->multigrid;
 
@@ -163,15 +176,15 @@ PetscErrorCode MpmMultigridApply(MpmSolver *solver, PetscBool contacts)
   MpmCheckInput(!strcmp(solver->jacobian.mat_type, MATAIJ),
                 "-mpm_mat_type %s: not available with -mpm_solver %s, must be " MATAIJ, solver->jacobian.mat_type,
                 solver->preset.name);
-  PetscCall(ApplySmoother(solver, contacts));
+  PetscCall(ApplySmoother(solver, prefix, contacts));
   if (!strcmp(coarsest[multigrid->coarse], "gamg")) {
-    PetscCall(MpmDatabaseDefault("-mg_coarse_pc_type", PCGAMG));
-    PetscCall(MpmDatabaseDefault("-mg_coarse_pc_gamg_threshold", "0.02"));
+    PetscCall(Default(prefix, "mg_coarse_pc_type", PCGAMG));
+    PetscCall(Default(prefix, "mg_coarse_pc_gamg_threshold", "0.02"));
   } else {
-    PetscCall(MpmDatabaseDefault("-mg_coarse_pc_type", solver->definite.symmetric ? PCCHOLESKY : PCLU));
-    PetscCall(MpmDatabaseDefault("-mg_coarse_pc_factor_mat_solver_type", MATSOLVERMUMPS));
+    PetscCall(Default(prefix, "mg_coarse_pc_type", solver->definite.symmetric ? PCCHOLESKY : PCLU));
+    PetscCall(Default(prefix, "mg_coarse_pc_factor_mat_solver_type", MATSOLVERMUMPS));
   }
-  PetscCall(MpmDatabaseDefault("-mg_coarse_ksp_type", KSPPREONLY));
+  PetscCall(Default(prefix, "mg_coarse_ksp_type", KSPPREONLY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -190,19 +203,16 @@ static PetscErrorCode SumBlocks(void *ctx, const MpmElementAction *action, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMultigridAttach(MpmSolver *solver)
+PetscErrorCode MpmMultigridAttach(MpmSolver *solver, PC pc, PetscInt components)
 {
   const MpmDiscretization *disc = solver->disc;
-  KSP                      ksp;
-  PC                       pc;
 
   PetscFunctionBeginUser;
-  PetscCall(SNESGetKSP(solver->snes, &ksp));
-  PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(MpmLevelsAttach(pc, &solver->multigrid.levels,
                             &(MpmLevelsStep){.grid        = disc->grid,
                                              .space       = disc->space,
                                              .constraints = disc->constraints,
+                                             .components  = components,
                                              .tangent     = SumBlocks,
                                              .ctx         = solver}));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -168,23 +168,10 @@ static PetscErrorCode TuneMultigrid(MpmSolver *solver, PetscBool contacts)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  The pressure's multigrid: BoomerAMG where PETSc has it, which jumps of permeability by many orders do not disturb. The
-  displacement's multigrid where there is contact, whose stiff couplings of many nodes Jacobi's method does not smooth:
-  ILU(0), shifted as above.
-*/
-static PetscErrorCode TuneFieldsplit(PetscBool contacts)
+/* The pressure's multigrid: BoomerAMG where PETSc has it, which jumps of permeability by many orders do not disturb. */
+static PetscErrorCode TunePressure(void)
 {
-  PetscBool smoother;
-
   PetscFunctionBeginUser;
-  PetscCall(MpmDatabaseHas("fieldsplit_u_mg_levels_pc_type", &smoother));
-  if (contacts && !smoother) {
-    PetscCall(MpmDatabaseDefault("-fieldsplit_u_mg_levels_pc_type", "bjacobi"));
-    PetscCall(MpmDatabaseDefault("-fieldsplit_u_mg_levels_sub_pc_type", "ilu"));
-    PetscCall(MpmDatabaseDefault("-fieldsplit_u_mg_levels_sub_pc_factor_shift_type", "inblocks"));
-    PetscCall(MpmDatabaseDefault("-fieldsplit_u_mg_levels_sub_pc_factor_shift_amount", "1"));
-  }
 #if defined(PETSC_HAVE_HYPRE)
   PetscCall(MpmDatabaseDefault("-fieldsplit_p_pc_type", "hypre"));
 #else
@@ -266,9 +253,10 @@ PetscErrorCode MpmPresetApply(MpmSolver *solver, PetscReal unknowns, PetscBool i
   }
   if (!strcmp(name, "auto")) PetscCall(ChooseSolver(solver, unknowns, &name));
   direct = (PetscBool)!strcmp(name, "direct");
-  if (!strcmp(name, "poro-fieldsplit")) PetscCall(TuneFieldsplit(contacts));
+  if (!strcmp(name, "poro-fieldsplit")) PetscCall(TunePressure());
   if (!strcmp(name, "damage-fieldsplit")) PetscCall(TuneDamage());
-  if (MpmMultigridIs(name)) PetscCall(MpmMultigridApply(solver, contacts));
+  if (strstr(name, "-fieldsplit")) PetscCall(MpmFieldsplitTune(solver, contacts));
+  if (MpmMultigridIs(name)) PetscCall(MpmMultigridApply(solver, "", contacts));
   if ((!strcmp(name, "amg") || MpmMultigridIs(name)) && !solver->definite.symmetric)
     PetscCall(TuneMultigrid(solver, contacts));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(presets); k++)

@@ -65,7 +65,8 @@ typedef struct {
 /* The preconditioner of two fields by blocks (fieldsplit.c). */
 typedef struct {
   PetscBool     on;
-  IS            is[2]; /* unknowns of the displacement and of the other field */
+  IS            is[2];  /* unknowns of the displacement and of the other field */
+  PetscBool     levels; /* the displacement's preconditioner waits for the step's nodes */
   Mat           schur, mass;
   PetscObjectId modes; /* the near null space that the displacement's comes from */
 } MpmFieldsplit;
@@ -194,23 +195,25 @@ PetscErrorCode MpmFieldsLearn(MpmSolver *solver, Vec x, Vec y);
 PetscErrorCode MpmFieldsConverged(MpmSolver *solver, Vec f, PetscReal rtol, PetscReal floor, PetscReal *excess);
 /*
   PCFIELDSPLIT (fieldsplit.c). Serves: true for a displacement and one unknown beside it. ServesDamage: true where that
-  is a damage. Attach: sets the unknowns of the blocks of a new preconditioner of that kind. Update: data that go with
-  a new Jacobian.
+  is a damage. Tune: options of the displacement's multigrid; `contacts`: some may act. Attach: sets the unknowns of the
+  blocks of a new preconditioner of that kind. Update: data that go with a new Jacobian.
 */
 PetscBool      MpmFieldsplitServes(const MpmLayout *layout);
 PetscBool      MpmFieldsplitServesDamage(const MpmLayout *layout);
+PetscErrorCode MpmFieldsplitTune(MpmSolver *solver, PetscBool contacts);
 PetscErrorCode MpmFieldsplitAttach(MpmSolver *solver);
 PetscErrorCode MpmFieldsplitUpdate(MpmSolver *solver);
 PetscErrorCode MpmFieldsplitReset(MpmFieldsplit *split);
 /*
   Multigrid on coarser lattices (multigrid.c). Is: true for the name of a preset with it. Apply: PETSc's options that
-  follow from those of the scene; `contacts`: some may act. Attach: nodes of the step, for a new preconditioner of that
-  kind. Levels: of the last linear solve, 0 with another preconditioner.
+  follow from those of the scene, for the preconditioner with this prefix; `contacts`: some may act. Attach: nodes of
+  the step, for a new preconditioner of that kind and the first `components` of each node. Levels: of the last linear
+  solve, 0 with another preconditioner.
 */
 PetscBool      MpmMultigridIs(const char name[]);
 PetscErrorCode MpmMultigridSetFromOptions(MpmSolver *solver, const MpmOptions *options);
-PetscErrorCode MpmMultigridApply(MpmSolver *solver, PetscBool contacts);
-PetscErrorCode MpmMultigridAttach(MpmSolver *solver);
+PetscErrorCode MpmMultigridApply(MpmSolver *solver, const char prefix[], PetscBool contacts);
+PetscErrorCode MpmMultigridAttach(MpmSolver *solver, PC pc, PetscInt components);
 PetscErrorCode MpmMultigridLevels(const MpmSolver *solver, PetscInt *levels);
 /* The residual that tolerances refer to: that at the step's start. */
 PetscErrorCode MpmSolverSetReference(MpmSolver *solver, Vec f);

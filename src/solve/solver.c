@@ -147,6 +147,19 @@ PetscErrorCode MpmSolverSetFromOptions(MpmSolver *solver, const MpmOptions *opti
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The step's nodes for multigrid of all unknowns. */
+static PetscErrorCode AttachLevels(MpmSolver *solver)
+{
+  KSP ksp;
+  PC  pc;
+
+  PetscFunctionBeginUser;
+  PetscCall(SNESGetKSP(solver->snes, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(MpmMultigridAttach(solver, pc, solver->disc->block));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Solver, vectors and matrix for a new pattern. GAMG of PETSc 3.18 cannot be reset to another size: all are made
    again. */
 static PetscErrorCode CreateObjects(MpmSolver *solver)
@@ -168,7 +181,7 @@ static PetscErrorCode CreateObjects(MpmSolver *solver)
   PetscCall(VecSetFromOptions(solver->x));
   PetscCall(VecDuplicate(solver->x, &solver->f));
   PetscCall(MpmFieldsplitAttach(solver));
-  PetscCall(MpmMultigridAttach(solver));
+  PetscCall(AttachLevels(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -233,7 +246,7 @@ PetscErrorCode MpmSolverRenew(MpmSolver *solver)
   PetscCall(SNESDestroy(&solver->snes));
   PetscCall(CreateSNES(solver));
   PetscCall(MpmFieldsplitAttach(solver));
-  PetscCall(MpmMultigridAttach(solver));
+  PetscCall(AttachLevels(solver));
   PetscCall(MpmNewtonSetMats(solver));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
