@@ -9,11 +9,11 @@
 /* Shapes and coarsening that all levels have. */
 typedef struct {
   MPI_Comm       comm;
-  const MpmGrid *grid;         /* the finest level's, which says who owns a place */
-  PetscInt       block, extra; /* unknowns a node, and nodes without a place, which all levels have */
-  PetscInt       degree;       /* of nodes at vertices */
-  MpmEdgeType    edge;
-  PetscInt       coarsen; /* cells an axis that become one */
+  const MpmGrid *grid;   /* the finest level's, which says who owns a place */
+  PetscInt block, extra; /* unknowns of a node that matrices have, and nodes without a place, which all levels have */
+  PetscInt degree;       /* of nodes at vertices */
+  MpmEdgeType edge;
+  PetscInt    coarsen; /* cells an axis that become one */
 } MpmLevelRules;
 
 /* The nodes of a level that this rank owns, last those without a place; of the finest one, its ghosts behind them. */

@@ -8,7 +8,7 @@
 
   Nodes with axes of their own, those that follow others or are followed, and those that several ranks see keep D.
 
-  Source: de Prenter, Verhoosel and van Brummelen (2019), doi:10.1016/j.cma.2019.02.042 (additive Schwarz by cut cells).
+  Source: de Prenter, Verhoosel and van Brummelen (2019), doi:10.1016/j.cma.2019.01.030 (additive Schwarz by cut cells).
 */
 #include <petscpc.h>
 #include <petscblaslapack.h>

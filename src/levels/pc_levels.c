@@ -59,31 +59,6 @@ static PetscErrorCode Reset(Levels *levels)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The rows and columns of the first `components` of each node, in place of those of the whole block. */
-static PetscErrorCode RestrictComponents(PetscInt fine, PetscInt coarse, PetscInt bs, PetscInt components, Mat *P)
-{
-  const PetscInt owned[] = {fine, coarse};
-  PetscInt       begin[2];
-  IS             is[2];
-  Mat            whole = *P;
-
-  PetscFunctionBeginUser;
-  PetscCall(MatGetOwnershipRange(whole, &begin[0], NULL));
-  PetscCall(MatGetOwnershipRangeColumn(whole, &begin[1], NULL));
-  for (PetscInt k = 0; k < 2; k++) {
-    PetscInt *index;
-
-    PetscCall(PetscMalloc1((owned[k] * components), &index));
-    for (PetscInt i = 0; i < owned[k] * components; i++) index[i] = begin[k] + i / components * bs + i % components;
-    PetscCall(
-      ISCreateGeneral(PetscObjectComm((PetscObject)whole), owned[k] * components, index, PETSC_OWN_POINTER, &is[k]));
-  }
-  PetscCall(MatCreateSubMatrix(whole, is[0], is[1], MAT_INITIAL_MATRIX, P));
-  PetscCall(MatDestroy(&whole));
-  for (PetscInt k = 0; k < 2; k++) PetscCall(ISDestroy(&is[k]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The diagonal of unknowns of a level that are not solved for, otherwise zero. */
 static PetscErrorCode MakeHeld(const MpmLevel *level, PetscInt bs, PetscReal diagonal, Mat P, Vec *held)
 {
@@ -100,8 +75,8 @@ static PetscErrorCode MakeHeld(const MpmLevel *level, PetscInt bs, PetscReal dia
 /* Interpolation of all levels; the finest one's nodes stay for comparison. */
 static PetscErrorCode MakeLevels(Levels *levels, MPI_Comm comm)
 {
-  const MpmLevelsStep *step = &levels->step;
-  const PetscInt       bs = step->constraints->block, components = step->components;
+  const MpmLevelsStep *step     = &levels->step;
+  const PetscInt       bs       = step->components;
   const PetscInt       most     = levels->choice.levels ? levels->choice.levels - 1 : MPM_LEVELS_MOST - 1;
   const PetscInt       last     = levels->choice.orders - 1;
   const PetscBool      elements = (PetscBool)(MpmShapeOrder(levels->choice.shape) > 1);
@@ -123,10 +98,9 @@ static PetscErrorCode MakeLevels(Levels *levels, MPI_Comm comm)
     const PetscInt order  = levels->choice.order[PetscMin(k + 1, last)];
     MpmLevel       coarse;
 
-    if (k >= last && (widest < 2 || (k && !levels->choice.levels && level.count * components <= COARSEST))) break;
+    if (k >= last && (widest < 2 || (k && !levels->choice.levels && level.count * bs <= COARSEST))) break;
     PetscCall(MpmLevelCoarsen(&rules, &level, k ? NULL : &finest, order, &coarse, &levels->P[k]));
-    if (components < bs) PetscCall(RestrictComponents(level.owned, coarse.owned, bs, components, &levels->P[k]));
-    PetscCall(MakeHeld(&coarse, components, step->constraints->diagonal, levels->P[k], &levels->held[k]));
+    PetscCall(MakeHeld(&coarse, bs, step->constraints->diagonal, levels->P[k], &levels->held[k]));
     if (levels->shell && !k)
       PetscCall(MpmProjectionCreate(&levels->rows, step->space, comm, (const PetscInt[]){coarse.owned, coarse.count},
                                     &levels->projection, &levels->A[0]));
@@ -161,7 +135,8 @@ static PetscErrorCode Serve(const Levels *levels, Mat A, PetscBool *serve)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* PCMG without operators; it reads the options of its solvers when it is set up. */
+/* PCMG without operators; it reads the options of its solvers when it is set up. PETSc takes the restriction for an
+   interpolation where both levels have as many unknowns, unless it has one of its own. */
 static PetscErrorCode CreateCycle(PC pc, Levels *levels)
 {
   const char *prefix;
@@ -173,8 +148,14 @@ static PetscErrorCode CreateCycle(PC pc, Levels *levels)
   PetscCall(PCSetType(levels->mg, PCMG));
   PetscCall(PCMGSetLevels(levels->mg, levels->count + 1, NULL));
   PetscCall(PCMGSetGalerkin(levels->mg, PC_MG_GALERKIN_NONE));
-  for (PetscInt k = 0; k < levels->count; k++)
+  for (PetscInt k = 0; k < levels->count; k++) {
+    Mat restriction;
+
     PetscCall(PCMGSetInterpolation(levels->mg, levels->count - k, levels->P[k]));
+    PetscCall(MatCreateTranspose(levels->P[k], &restriction));
+    PetscCall(PCMGSetRestriction(levels->mg, levels->count - k, restriction));
+    PetscCall(MatDestroy(&restriction));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

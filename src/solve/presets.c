@@ -1,6 +1,7 @@
 /*
   Presets of PETSc's options: choice by the size and kind of the problem, and options that depend on it.
 */
+#include "grid/shape.h"
 #include "options/database.h"
 #include "options/options.h"
 #include "point/layout.h"
@@ -82,8 +83,12 @@ static PetscErrorCode ChooseSolver(MpmSolver *solver, PetscReal unknowns, const 
                             "auto: %" PetscInt_FMT "D, a saddle point of about %.0f unknowns, direct up to %.0f", dim,
                             (double)unknowns, (double)most));
   } else if (solver->jacobian.form == MPM_JACOBIAN_MATFREE) {
-    *name = "pbjacobi";
-    PetscCall(PetscSNPrintf(why, sizeof(why), "auto: no matrix"));
+    const PetscInt  order = MpmShapeOrder(solver->multigrid.levels.shape);
+    const PetscBool pmg =
+      (PetscBool)(order > 1 && solver->definite.symmetric && solver->disc->layout->field_count == 1);
+
+    *name = pmg ? "pmg" : "pbjacobi";
+    PetscCall(PetscSNPrintf(why, sizeof(why), "auto: no matrix, order %" PetscInt_FMT, order));
   } else {
     const PetscBool fbar = (PetscBool)(solver->disc->layout->means && direct_most[dim].fbar > most);
 
