@@ -81,14 +81,6 @@ void MpmTermsGuess(const MpmTerms *terms, const MpmSum *sum, PetscReal factor, P
     if (terms->term[k]->newton.guess) terms->term[k]->newton.guess(terms->ctx[k], sum, factor, x);
 }
 
-void MpmTermsBound(const MpmTerms *terms, const MpmSum *sum, const MpmConstraints *constraints,
-                   const PetscScalar last[], const PetscScalar residual[], PetscScalar x[], PetscBool *changed)
-{
-  for (PetscInt k = 0; k < terms->count; k++)
-    if (terms->term[k]->newton.bound)
-      terms->term[k]->newton.bound(terms->ctx[k], sum, constraints, last, residual, x, changed);
-}
-
 void MpmTermsMode(const MpmTerms *terms, const MpmSum *sum, const PetscReal origin[], const PetscReal along[3],
                   const PetscReal turn[3], PetscScalar x[])
 {

@@ -4,7 +4,6 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "bc/bc.h"
 
 /*
   Optional operations of a term, each collective unless said otherwise; u: displacement at the local unknowns.
@@ -25,9 +24,6 @@
              within a trust region about `last`, the owned unknowns before
   `guess`    initial values of the term's own unknowns, among the owned ones x: `factor` times the last increment; not
              collective
-  bound      inequalities of unknowns, among the owned ones x in the solver's units, `last` those before the iteration:
-             without `residual` x stops at bounds that it passes; with it, the residual there, bounds that act get their
-             force. `changed`: x has; not collective
   mode       values of a rigid motion, translation `along` and rotation `turn` about `origin`, at the term's own
              unknowns, among the owned ones; not collective
   augment    augmented Lagrangian method, after a solution: excess of the violated constraint over its tolerance; above
@@ -45,8 +41,6 @@ typedef struct MpmTermNewton {
   PetscErrorCode (*relax)(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool follows,
                           const PetscScalar last[], PetscScalar x[]);
   void (*guess)(const void *ctx, const MpmSum *sum, PetscReal factor, PetscScalar x[]);
-  void (*bound)(const void *ctx, const MpmSum *sum, const MpmConstraints *constraints, const PetscScalar last[],
-                const PetscScalar residual[], PetscScalar x[], PetscBool *changed);
   void (*mode)(const void *ctx, const MpmSum *sum, const PetscReal origin[], const PetscReal along[3],
                const PetscReal turn[3], PetscScalar x[]);
   PetscErrorCode (*augment)(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool first, PetscReal *excess);
@@ -69,8 +63,6 @@ PetscReal      MpmTermsImbalance(const MpmTerms *terms, const MpmSum *sum, const
 PetscErrorCode MpmTermsRelax(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscBool follows,
                              const PetscScalar last[], PetscScalar x[]);
 void           MpmTermsGuess(const MpmTerms *terms, const MpmSum *sum, PetscReal factor, PetscScalar x[]);
-void           MpmTermsBound(const MpmTerms *terms, const MpmSum *sum, const MpmConstraints *constraints,
-                             const PetscScalar last[], const PetscScalar residual[], PetscScalar x[], PetscBool *changed);
 void MpmTermsMode(const MpmTerms *terms, const MpmSum *sum, const PetscReal origin[], const PetscReal along[3],
                   const PetscReal turn[3], PetscScalar x[]);
 PetscErrorCode MpmTermsAugment(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscBool first,

@@ -14,9 +14,12 @@
 #include "problem/discretization.h"
 #include "solve/line_search.h"
 
-#define FIRST 2   /* iterations in turn before the first attempt on both fields */
-#define MOST  64  /* between two attempts */
-#define FALLS 0.9 /* of the residual in an iteration in turn */
+#define FIRST  2   /* iterations in turn before the first attempt on both fields */
+#define MOST   64  /* between two attempts */
+#define FALLS  0.9 /* of the residual in an iteration in turn */
+#define BEYOND 0.5 /* slope at the end of an iteration in turn, of that at its start, of opposite sign */
+#define LEAST  0.1 /* part of a length that the next one is at least */
+#define TRIALS 8   /* lengths of an iteration in turn */
 
 void MpmAlternationBegin(MpmSolver *solver, PetscInt it)
 {
@@ -27,15 +30,26 @@ void MpmAlternationBegin(MpmSolver *solver, PetscInt it)
 }
 
 /*
-  An iteration in turn is taken as it is: within the bounds it lowers the energy of each field. Where a point has no
-  answer there, the step is too long: shorter iterations find none in hundreds, a cut of the step does at once.
+  An iteration in turn is taken as it is, but where it goes beyond the least energy along its way by far: bounds that
+  act at one end and not at the other would otherwise alternate for ever.
 */
 static PetscErrorCode TakeInTurn(MpmSearch *search, PetscReal start, PetscBool *found)
 {
   MpmAlternation *alternation = &search->solver->alternation;
+  PetscScalar     down, slope;
   PetscReal       excess;
 
   PetscFunctionBeginUser;
+  PetscCall(VecDot(search->F, search->Y, &down));
+  for (PetscInt trial = 0; trial < TRIALS; trial++) {
+    if (PetscIsInfOrNanReal(search->norm)) search->lambda *= 0.5;
+    else {
+      PetscCall(VecDot(search->G, search->Y, &slope));
+      if (!(PetscRealPart(down) > 0.) || PetscRealPart(slope) >= -BEYOND * PetscRealPart(down)) break;
+      search->lambda *= PetscMax(PetscRealPart(down) / PetscRealPart(down - slope), LEAST);
+    }
+    PetscCall(MpmSearchTry(search));
+  }
   *found = (PetscBool)!PetscIsInfOrNanReal(search->norm);
   if (!*found) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmFieldsExcess(search->solver, search->W, search->G, &excess));

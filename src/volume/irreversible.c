@@ -14,10 +14,6 @@
   primal and dual variables, converges in a few iterations (Hintermueller, Ito, Kunisch 2003,
   doi:10.1137/S1052623401383558).
 
-  A trial step that passes a bound stops at it, with the gap of the spring that balances the residual there. Springs
-  that act at the end of a step alone would make its residual useless for a line search: steps limited by the first
-  bound on their way take up to six times as many iterations.
-
   Points carry the field: d_i,n follows from their values v_p and gradients as the start of the step does
   (point_to_node.c), and then, for coefficients of splines are no values at nodes, by Richardson's iteration
 
@@ -33,7 +29,6 @@
 #include "particles/points.h"
 #include "space/space.h"
 #include "space/sum.h"
-#include "bc/bc.h"
 #include "assembly/sparsity.h"
 #include "volume/irreversible.h"
 
@@ -42,7 +37,7 @@
 static PetscErrorCode Reset(MpmHeldField *held)
 {
   PetscFunctionBeginUser;
-  PetscCall(PetscFree3(held->least, held->stiffness, held->passed));
+  PetscCall(PetscFree2(held->least, held->stiffness));
   held->count = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -174,8 +169,7 @@ static PetscErrorCode Prepare(void *ctx, const MpmTermStep *step)
 
   PetscFunctionBeginUser;
   PetscCall(Reset(held));
-  PetscCall(PetscMalloc3(sum->space->owned, &held->least, sum->space->owned, &held->stiffness, sum->space->owned,
-                         &held->passed));
+  PetscCall(PetscMalloc2(sum->space->owned, &held->least, sum->space->owned, &held->stiffness));
   PetscCall(PetscMalloc2(count, &room, (count * (dim + 1)), &value));
   const MpmPointValues values = {sum->layout->component[Component(sum)].shape, 1, 1, value, value + count, dim};
 
@@ -226,33 +220,5 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  Newton's step to the bound where it passes it; then, by the field's residual at the bounds, the gap of the spring that
-  balances it, or none where the field would rise.
-*/
-static void Bound(const void *ctx, const MpmSum *sum, const MpmConstraints *constraints, const PetscScalar last[],
-                  const PetscScalar residual[], PetscScalar x[], PetscBool *changed)
-{
-  const MpmHeldField *held = (const MpmHeldField *)ctx;
-  const PetscInt      bs = sum->block, c = Component(sum);
-  const PetscReal     unit = constraints->unit[c];
-
-  for (PetscInt i = 0; i < held->count; i++) {
-    const PetscInt  k     = i * bs + c;
-    const PetscReal least = held->least[i];
-
-    if (!residual) {
-      held->passed[i] =
-        (PetscBool)(MpmConstraintsFree(constraints, k) && unit * last[k] >= least && unit * x[k] < least);
-      if (held->passed[i]) x[k] = least / unit;
-    } else if (held->passed[i] && residual[k] > 0.) x[k] -= residual[k] / (unit * unit * held->stiffness[i]);
-    if (held->passed[i]) *changed = PETSC_TRUE;
-  }
-}
-
-const MpmTerm MpmTermIrreversible = {.name     = "irreversible field",
-                                     .idle     = IsIdle,
-                                     .prepare  = Prepare,
-                                     .residual = Residual,
-                                     .tangent  = Tangent,
-                                     .newton   = {.bound = Bound}};
+const MpmTerm MpmTermIrreversible = {
+  .name = "irreversible field", .idle = IsIdle, .prepare = Prepare, .residual = Residual, .tangent = Tangent};

@@ -16,7 +16,6 @@ typedef struct MpmHeldField {
   PetscInt   count;      /* of nodes; 0: no material has a bound */
   PetscReal *least;      /* value at the step's start */
   PetscReal *stiffness;  /* of the spring below it, in the field's equation */
-  PetscBool *passed;     /* Newton's last step went beyond the bound */
 } MpmHeldField;
 
 /*

@@ -222,8 +222,7 @@ with Test() as test:
     refused(test)
     press = test.run(example("press"), mpm_time_end=0.3, mpm_output_every=0)
     test.check_example("press", press, "press")
-    # steps that end at the first bound that they meet, with empty voids: 187
-    test.check("press.newton", float(sum(press.results.column("newton"))), None, 100)
+    test.check("press.newton", float(sum(press.results.column("newton"))), None, 200)  # 141
     ranks = test.run(example("press"), ranks=3, mpm_time_end=0.1, mpm_output_every=0).results.history
     for column in ("reaction_top_z", "energy_fracture"):
         test.near(f"press.ranks.{column}", ranks[column][1], press.results.history[column][1], relative=1e-6)
