@@ -111,8 +111,8 @@ static PetscErrorCode ReadLattice(const MpmOptions *block, const MpmGrid *grid, 
 
   PetscFunctionBeginUser;
   if (MpmRegionGetType(body->region) >= MPM_REGION_FILE && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmOptionsInts(block, "points_per_cell", "points per cell and axis", 1, 64, MPM_OPTIONAL, grid->dim,
-                           body->cells.per_cell, NULL));
+  PetscCall(MpmOptionsInts(block, "points_per_cell", "points per cell and axis; order + 1 with elements, else 2", 1, 64,
+                           MPM_OPTIONAL, grid->dim, body->cells.per_cell, NULL));
   PetscCall(MpmOptionsBool(
     block, "fill",
     "where the body joins a stage: fill the gap down to settled ground; unless given, gaps within a cell", &fill,
@@ -177,7 +177,7 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const MpmGrid *grid, con
   PetscCall(PetscStrallocpy(bodies->names[b], &body->name));
   body->dim = grid->dim;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    body->cells.per_cell[a] = a < grid->dim ? 2 : 1;
+    body->cells.per_cell[a] = a < grid->dim ? PetscMax(2, grid->order + 1) : 1;
     tolerance[a]            = MPM_TOLERANCE * grid->h[a];
   }
   PetscCall(MpmOptionsHeading(&block, "Body"));

@@ -45,6 +45,10 @@ with Test() as test:
     test.near("fbar.cut", cut.results.summary["factor_of_safety"], 1.133, relative=0.025)
     few = test.run(ground, mpm_grid_cells="13,9", mpm_stage_rest_geostatic_iterations=5, status=3, **options)
     test.check("few.line", "needs 3 points a cell on each axis to come to rest" in few.errors, True, True)
+    plain = test.folder() / "plain.yaml"
+    plain.write_text(ground.read_text(encoding="utf-8").replace('points_per_cell: "2,2", ', ""), encoding="utf-8")
+    run = test.run(plain, mpm_grid_cells="13,9", mpm_stages="rest", **options)
+    test.check("plain.points", run.results.summary["points"], 9 * 79, 9 * 79)
     for name, (options, text) in REFUSED.items():
         run = test.run(scene, status=2, **{"mpm_shape": "element", **options})
         test.check(f"{name}.line", text in run.errors, True, True)
