@@ -56,17 +56,13 @@ static PetscErrorCode CheckNames(const MpmCsvTable *table, PetscInt dim, char me
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One row: finite numbers, and a time after the last one. */
+/* One row: a time after the last one. */
 static PetscErrorCode TakeRow(const MpmCsvTable *table, PetscInt row, MpmMotion *motion, char message[MPM_CSV_MESSAGE])
 {
   const PetscReal *number = &table->value[(PetscInt64)row * table->columns];
   char             text[2][MPM_NUMBER_TEXT];
 
   PetscFunctionBeginUser;
-  for (PetscInt c = 0; c < table->columns && !message[0]; c++)
-    if (PetscIsInfOrNanReal(number[c]))
-      PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "%s of row %" PetscInt_FMT " is not a finite number",
-                              table->name[c], row + 1));
   motion->time[row] = number[MpmCsvTableFind(table, "time")];
   for (PetscInt k = 0; k < COMPONENTS; k++) {
     const PetscInt c = MpmCsvTableFind(table, columns[k]);
@@ -94,6 +90,7 @@ static PetscErrorCode ReadTable(const MpmOptions *block, const char *path, Petsc
   if (!rank) {
     PetscCall(MpmCsvTableRead(path, &table, message));
     if (!message[0]) PetscCall(CheckNames(&table, dim, message));
+    if (!message[0]) PetscCall(MpmCsvTableFinite(&table, -1, message));
     motion->rows = (PetscInt)table.rows;
   }
   PetscCallMPI(MPI_Bcast(&motion->rows, 1, MPIU_INT, 0, block->comm));

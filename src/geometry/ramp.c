@@ -225,10 +225,7 @@ static PetscErrorCode TakeTable(const char *path, PetscBool record, MpmRamp ramp
   if (!message[0] && !table.rows) PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has no rows"));
   if (!message[0] && record && table.rows < 2)
     PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "has a single row: a record has two at least"));
-  for (PetscInt k = 0; k < 2 * (PetscInt)table.rows && !message[0]; k++)
-    if (PetscIsInfOrNanReal(table.value[k]))
-      PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "%s of row %" PetscInt_FMT " is not a finite number",
-                              table.name[k % 2], k / 2 + 1));
+  PetscCall(MpmCsvTableFinite(&table, -1, message));
   if (!message[0]) {
     const PetscInt rows = (PetscInt)table.rows;
 

@@ -308,6 +308,16 @@ PetscErrorCode MpmCsvTableNames(const MpmCsvTable *table, char message[MPM_CSV_M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmCsvTableFinite(const MpmCsvTable *table, PetscInt column, char message[MPM_CSV_MESSAGE])
+{
+  PetscFunctionBeginUser;
+  for (PetscInt64 k = 0; k < table->rows * table->columns && !message[0]; k++)
+    if ((column < 0 || k % table->columns == column) && PetscIsInfOrNanReal(table->value[k]))
+      PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "%s of row %d is not a finite number",
+                              table->name[k % table->columns], (int)(k / table->columns) + 1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Texts of rank 0 for all ranks. */
 static PetscErrorCode ShareTexts(MPI_Comm comm, PetscInt *count, char ***texts)
 {

@@ -27,6 +27,8 @@ PetscErrorCode MpmTextRead(const char *path, char **text, char message[MPM_CSV_M
 PetscInt MpmCsvTableFind(const MpmCsvTable *table, const char *name);
 /* Appends the names that are there to a message of a missing column: "; there are time, load". */
 PetscErrorCode MpmCsvTableNames(const MpmCsvTable *table, char message[MPM_CSV_MESSAGE]);
+/* Complains of the first number of a column, of any column with -1, that is not finite. */
+PetscErrorCode MpmCsvTableFinite(const MpmCsvTable *table, PetscInt column, char message[MPM_CSV_MESSAGE]);
 /* Words of rank 0, or all of its table, for all ranks. */
 PetscErrorCode MpmCsvTableShareWords(MPI_Comm comm, MpmCsvTable *table);
 PetscErrorCode MpmCsvTableShare(MPI_Comm comm, MpmCsvTable *table);

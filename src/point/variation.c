@@ -136,8 +136,10 @@ static PetscErrorCode TakeFile(const char path[], const MpmParameter *parameter,
                             "must have the columns height and %s, or x, y%s and %s, and two rows at least",
                             parameter->name, dim == 3 ? ", z" : "", parameter->name));
     PetscCall(MpmCsvTableNames(&table, message));
-    PetscFunctionReturn(MpmCsvTableDestroy(&table));
   }
+  for (PetscInt a = 0; a < dim && field && !message[0]; a++) PetscCall(MpmCsvTableFinite(&table, column[a], message));
+  if (!field && !message[0]) PetscCall(MpmCsvTableFinite(&table, height, message));
+  if (message[0]) PetscFunctionReturn(MpmCsvTableDestroy(&table));
   variation->count = (PetscInt)table.rows;
   variation->dim   = field ? dim : 0;
   PetscCall(PetscMalloc1(table.rows * MPM_MAX_DIM, &variation->at));

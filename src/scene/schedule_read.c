@@ -19,6 +19,8 @@ static PetscErrorCode ReadTimes(const char path[], MpmGivenSteps *given)
   MpmCheckInput(!message[0], "-mpm_time_schedule %s: %s", path, message);
   column = MpmCsvTableFind(&table, "time");
   MpmCheckInput(column >= 0, "-mpm_time_schedule %s: has no column time", path);
+  PetscCall(MpmCsvTableFinite(&table, column, message));
+  MpmCheckInput(!message[0], "-mpm_time_schedule %s: %s", path, message);
   PetscCall(PetscMalloc1(((size_t)table.rows + 1), &given->time));
   for (PetscInt64 k = 0; k < table.rows; k++) {
     const PetscReal time   = table.value[k * table.columns + column];

@@ -61,6 +61,10 @@ static PetscErrorCode ReadData(const MpmOptions *block, const char path[], Petsc
                 objective->column);
   objective->spread = given ? -1 : MpmCsvTableFind(data, "deviation");
   if (objective->spread == objective->value || objective->spread == objective->place) objective->spread = -1;
+  PetscCall(MpmCsvTableFinite(data, objective->place, message));
+  PetscCall(MpmCsvTableFinite(data, objective->value, message));
+  if (objective->spread >= 0) PetscCall(MpmCsvTableFinite(data, objective->spread, message));
+  MpmCheckInput(!message[0], "-%sdata %s: %s", block->prefix, path, message);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -63,6 +63,22 @@ PetscInt MpmLabelsFind(const MpmLabels *labels, PetscInt label)
   return -1;
 }
 
+/* Two entries with other materials must have no label in common. */
+static PetscErrorCode CheckApart(const MpmOptions *options, const MpmLabels *labels)
+{
+  PetscFunctionBegin;
+  for (PetscInt r = 0; r < labels->count; r++)
+    for (PetscInt k = 0; k < r; k++) {
+      const MpmLabelRange *a = &labels->range[k], *b = &labels->range[r];
+      const PetscInt       first = PetscMax(a->first, b->first);
+
+      MpmCheckInput(a->value == b->value || first > PetscMin(a->last, b->last),
+                    "-%slabels: the label %" PetscInt_FMT " is of %s and of %s: must be of one", options->prefix, first,
+                    a->name, b->name);
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmLabelsNumber(const MpmOptions *options, PetscInt count, const char *const names[], MpmLabels *labels)
 {
   PetscFunctionBegin;
@@ -74,5 +90,6 @@ PetscErrorCode MpmLabelsNumber(const MpmOptions *options, PetscInt count, const 
     MpmCheckInput(range->value >= 0 || !strcmp(range->name, NOTHING),
                   "-%slabels: %s is none of -mpm_materials, nor the word none", options->prefix, range->name);
   }
+  PetscCall(CheckApart(options, labels));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -220,6 +220,7 @@ with Test() as test:
            mpm_predictions="last", mpm_prediction_last_column="track_tip_u")
     for label, words, bad in (("outside", "outside of the run", {**table, "time": 3.0 * table["time"]}),
                               ("order", "must ascend", {**table, "time": table["time"][::-1]}),
+                              ("finite", "of row 1 is not a finite number", {**table, "track_tip_ux": np.nan * table["time"]}),
                               ("missing", "has no column track_tip_ux; there are", {name: table[name] for name in COLUMNS[::2]}
                                | {"third": table["time"]})):
         write(place / "data.csv", bad)

@@ -68,5 +68,6 @@ with Test() as test:
     refuse(test, "short", "is of another scene: no step ends at 1", "time\n0.3\n0.5\n")
     refuse(test, "long", "is of another scene: its steps go on to 2", "time\n0.3\n1\n2\n")
     refuse(test, "order", "times must ascend: 0.3 comes behind 0.5", "time\n0.5\n0.3\n1\n")
+    refuse(test, "finite", "time of row 2 is not a finite number", "time\n0.3\ninf\n")
     refuse(test, "column", "has no column time", "step\n1\n2\n")
     refuse(test, "rescue", "ends when its state says so", "time\n1\n", mpm_time_rescue="relaxation")

@@ -306,6 +306,7 @@ def refused(test):
               "material": (layers, {"mpm_body_stack_labels": "0:air,1:binder,7:stone"}, "stone is none of -mpm_materials"),
               "size": (layers, {"mpm_body_stack_size": "2,32"}, "-mpm_body_stack_size: 2 voxels on axis x"),
               "entry": (layers, {"mpm_body_stack_labels": "air"}, "must be entries like"),
+              "two": (layers, {"mpm_body_stack_labels": "0:air,1:binder,1-900:grain"}, "the label 1 is of binder and of grain"),
               "air_moves": (layers, {"mpm_time_integrator": "newmark"}, "-mpm_material_air_air: not available with inertia")}
     for name, (scene, options, words) in scenes.items():
         run = scene(test, 64, "raw", status=2, **options)
