@@ -13,6 +13,13 @@ extern const MpmTerm MpmTermRigidBodies; /* those whose place is solved for (rig
 /* State of a patch. */
 typedef enum { MPM_PATCH_OPEN, MPM_PATCH_STICKS, MPM_PATCH_SLIDES } MpmPatchState;
 
+/* A patch that Newton's method keeps closed whatever the law says (contact_states.c). */
+typedef struct {
+  PetscBool on;
+  PetscBool glides; /* slides this way with the traction that goes with its pressure; else it sticks */
+  PetscReal way[MPM_MAX_DIM];
+} MpmPatchHold;
+
 /* The facets of one cell at one boundary: one mean gap, one mean slip, one traction. */
 typedef struct {
   PetscInt      boundary, begin, end, box; /* its facets, and the group that holds the nodes of them all */
@@ -22,13 +29,12 @@ typedef struct {
   PetscBool     round;   /* a facet on a round surface, which touches by itself */
   PetscBool     direct;  /* in an explicit step: no equations are solved */
   PetscBool     broken;  /* of a bilateral boundary, which has let go: it pushes only */
-  PetscBool     held;    /* touches whatever the law says (contact_states.c), and sticks, or */
-  PetscBool     glides;  /* slides this way with the traction that goes with its pressure */
-  PetscReal     way[MPM_MAX_DIM];
+  MpmPatchHold  hold;
   MpmPatchState state;
   PetscReal     traction[MPM_MAX_DIM]; /* of Newton's last iterate */
-  PetscReal     shift; /* augmented: so far behind, m, the penalty gives the pressure that holds it at 0 */
+  PetscReal     shift; /* depth of the pressure at a gap of 0, m: where augmented, or in a geostatic state */
   PetscReal     mean;  /* pressure in the last steps, Pa, of friction by a law of the bed; or 0 */
+  PetscReal     rest;  /* shift of a geostatic state; once the step has converged, depth of its pressure: m */
 } MpmPatch;
 
 /* Treatment of sliding by Newton's method (contact_states.c). */
@@ -128,6 +134,8 @@ static inline PetscReal MpmContactsGiving(const MpmContacts *contacts, PetscInt 
   return contacts->facets.boundaries[boundary].stick ? 1. : contacts->newton.give;
 }
 
+/* Gap of a patch at the step's start, by where its facets stand there. */
+PetscReal MpmPatchStartGap(const MpmContacts *contacts, const MpmPatch *patch);
 /* One patch (contact_patch.c): k' of contact that may slide, over the stiffness across. */
 PetscReal      MpmPatchAlong(const MpmContacts *contacts, const MpmPatch *patch);
 PetscErrorCode MpmPatchWorkCreate(const MpmContacts *contacts, MpmPatchWork *work);
@@ -189,6 +197,11 @@ PetscErrorCode MpmContactsLoad(MpmContacts *contacts, const MpmTermStep *step);
 /* The points keep the converged step's: slips, pressures and gaps, and where they have let go (contact_kept.c). */
 PetscErrorCode MpmContactsKeep(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
                                MpmParticles *particles);
+/*
+  For points returned to their places at the step's start with their stress: patches that touch shall do so there under
+  the pressure of the step. The points keep its depth.
+*/
+PetscErrorCode MpmContactsPutBack(const void *ctx, PetscInt points, MpmParticles *particles);
 /*
   Method augmented (contact_augmented.c). Augment: where the largest error of depth over its tolerance is above 1, the
   pressures become those of the patches at u; collective. IsCorrected: true where a patch's depth is corrected: not for

@@ -5,6 +5,7 @@
 #include "point/layout.h"
 #include "particles/particles.h"
 #include "particles/points.h"
+#include "space/rules.h"
 #include "space/sum.h"
 #include "assembly/terms.h"
 #include "contact/contact.h"
@@ -136,6 +137,37 @@ static PetscErrorCode LoadPressures(MpmContacts *contacts, MpmParticles *particl
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+  Places of patches in a geostatic state, in which the material stands where it was drawn. After a step whose points
+  went back the faces stand as the step has turned them.
+*/
+static PetscErrorCode LoadRest(MpmContacts *contacts, const MpmTermStep *step)
+{
+  PetscReal *rest;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    if (!contacts->facets.boundaries[b].fields.rest) continue;
+    PetscCall(MpmParticlesGetField(step->particles, contacts->facets.boundaries[b].fields.rest, &rest));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      MpmPatch *patch = &contacts->patch[k];
+
+      if (patch->boundary != b) continue;
+      patch->rest = 0.;
+      for (PetscInt f = patch->begin; f < patch->end; f++) {
+        const MpmFacet *facet = &contacts->facets.at[f];
+
+        if (!facet->piece) patch->rest += facet->area / patch->area * rest[facet->point];
+      }
+      patch->shift = 0.;
+      if (step->rules->put_back && patch->rest != 0.) patch->rest += MpmPatchStartGap(contacts, patch);
+      patch->shift = patch->rest;
+    }
+    PetscCall(MpmParticlesRestoreField(step->particles, &rest));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Patches of which most has let go */
 static PetscErrorCode LoadBroken(MpmContacts *contacts, MpmParticles *particles)
 {
@@ -169,6 +201,7 @@ PetscErrorCode MpmContactsLoad(MpmContacts *contacts, const MpmTermStep *step)
   PetscCall(LoadSlips(contacts, step->particles, contacts->facets.boundaries[0].dim));
   PetscCall(LoadPressures(contacts, step->particles));
   PetscCall(LoadGaps(contacts, step->particles));
+  PetscCall(LoadRest(contacts, step));
   PetscCall(LoadBroken(contacts, step->particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -187,10 +220,10 @@ static void Keep(const MpmFacet *facet, PetscReal value, PetscReal kept[])
 static PetscErrorCode ShareParts(const MpmContacts *contacts, PetscInt b, const MpmSum *sum,
                                  const MpmPatchAnswer answers[])
 {
-  const PetscBool keeps =
-    (PetscBool)(contacts->facets.boundaries[b].tangential || contacts->facets.boundaries[b].augmented);
-  PetscBool  any = PETSC_FALSE;
-  PetscReal *area;
+  const MpmBoundary *boundary = &contacts->facets.boundaries[b];
+  const PetscBool    keeps    = (PetscBool)(boundary->tangential || boundary->augmented || boundary->fields.rest);
+  PetscBool          any      = PETSC_FALSE;
+  PetscReal         *area;
 
   PetscFunctionBeginUser;
   for (PetscInt f = 0; keeps && f < contacts->facets.count && !any; f++)
@@ -339,6 +372,35 @@ static PetscErrorCode Break(const MpmContacts *contacts, const MpmPatchAnswer an
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The points of a patch keep its place in a geostatic state. */
+static PetscErrorCode KeepRest(const MpmContacts *contacts, PetscInt points, MpmParticles *particles)
+{
+  PetscReal *rest;
+
+  PetscFunctionBeginUser;
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
+    if (!contacts->facets.boundaries[b].fields.rest) continue;
+    PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].fields.rest, &rest));
+    PetscCall(MpmPointsClear(points, rest));
+    for (PetscInt k = 0; k < contacts->patch_count; k++) {
+      const MpmPatch *patch = &contacts->patch[k];
+
+      if (patch->boundary != b || MpmPatchFlows(contacts, patch)) continue;
+      for (PetscInt f = patch->begin; f < patch->end; f++)
+        if (!contacts->facets.at[f].piece) Keep(&contacts->facets.at[f], patch->rest, rest);
+    }
+    PetscCall(MpmParticlesRestoreField(particles, &rest));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsPutBack(const void *ctx, PetscInt points, MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  PetscCall(KeepRest((const MpmContacts *)ctx, points, particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmContactsKeep(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
                                MpmParticles *particles)
 {
@@ -349,6 +411,7 @@ PetscErrorCode MpmContactsKeep(const MpmContacts *contacts, const MpmSum *sum, c
   PetscCall(KeepPressures(contacts, sum, answers, particles));
   PetscCall(KeepMeans(contacts, sum, answers, particles));
   PetscCall(KeepGaps(contacts, sum, answers, particles));
+  PetscCall(KeepRest(contacts, sum->points->count, particles));
   PetscCall(Break(contacts, answers, particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

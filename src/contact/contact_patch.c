@@ -67,8 +67,8 @@ static void Glide(const MpmBoundary *boundary, const MpmPatch *patch, PetscReal 
 {
   answer->slides = PETSC_TRUE;
   for (PetscInt a = 0; a < boundary->dim; a++) {
-    answer->traction[a] = (boundary->friction * pressure + boundary->adhesion) * patch->way[a];
-    answer->by_gap[a]   = -patch->stiffness * boundary->friction * patch->way[a];
+    answer->traction[a] = (boundary->friction * pressure + boundary->adhesion) * patch->hold.way[a];
+    answer->by_gap[a]   = -patch->stiffness * boundary->friction * patch->hold.way[a];
   }
 }
 
@@ -94,22 +94,22 @@ static PetscReal BasalBound(const MpmContacts *contacts, const MpmPatch *patch, 
 static void Friction(const MpmContacts *contacts, const MpmPatch *patch, MpmPatchAnswer *answer)
 {
   const MpmBoundary *boundary = &contacts->facets.boundaries[patch->boundary];
-  const PetscReal    adhesion = patch->held ? PETSC_INFINITY : boundary->adhesion;
-  const PetscReal    strength = patch->held ? PETSC_INFINITY : patch->strength;
+  const PetscReal    adhesion = patch->hold.on ? PETSC_INFINITY : boundary->adhesion;
+  const PetscReal    strength = patch->hold.on ? PETSC_INFINITY : patch->strength;
   MpmContactLaw      law      = {.stiffness = patch->stiffness,
                                  .along     = MpmPatchAlong(contacts, patch),
                                  .friction  = boundary->friction,
                                  .adhesion  = adhesion,
                                  .strength  = strength,
                                  .stick     = boundary->stick,
-                                 .parts     = (PetscBool)((!boundary->bilateral || patch->broken) && !patch->held),
+                                 .parts     = (PetscBool)((!boundary->bilateral || patch->broken) && !patch->hold.on),
                                  .secant    = contacts->newton.secant,
                                  .least     = contacts->newton.least};
   const PetscReal    pressure = -patch->stiffness * answer->gap;
   MpmContactFriction friction;
 
   if (boundary->basal) law.adhesion = BasalBound(contacts, patch, &law, pressure, answer->slip);
-  if (patch->held && patch->glides) {
+  if (patch->hold.on && patch->hold.glides) {
     Glide(boundary, patch, pressure, answer);
     return;
   }
@@ -213,7 +213,7 @@ void MpmPatchEvaluate(const MpmContacts *contacts, const MpmPatch *patch, MpmPat
   }
   answer->gap -= patch->shift;
   if (MpmPatchFlows(contacts, patch)) answer->active = MpmFlowGap(contacts, patch, &answer->gap);
-  else if (!holds) answer->active = (PetscBool)(patch->held || answer->gap <= contacts->facets.touch);
+  else if (!holds) answer->active = (PetscBool)(patch->hold.on || answer->gap <= contacts->facets.touch);
   if (!answer->active) {
     answer->gap = 0.;
     return;
@@ -330,10 +330,58 @@ static PetscReal InverseMass(const MpmContacts *contacts, const MpmSum *sum, con
   return total;
 }
 
+/* True of a patch that bears the material of a geostatic state. */
+static PetscBool IsAtRest(const MpmContacts *contacts, const MpmPatch *patch)
+{
+  return (PetscBool)(contacts->facets.boundaries[patch->boundary].fields.rest && patch->rest != 0.);
+}
+
+/*
+  Explicit steps find contact at the displacements without it. In a geostatic state these are the fall of the material
+  without its support, behind which the penalty has to give the pressure of that state, with which shifts begin here.
+*/
+static PetscErrorCode ShiftRest(MpmContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt)
+{
+  const MpmSpace *space = sum->space;
+  const PetscInt  dim   = space->dim;
+  PetscReal      *fall;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscCalloc1((size_t)(space->local * sum->block), &fall));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+
+    for (PetscInt f = patch->begin; IsAtRest(contacts, patch) && f < patch->end; f++)
+      if (!contacts->facets.at[f].piece)
+        MpmFacetAddForce(sum, &space->groups[patch->box], MpmFacetWeights(contacts, f),
+                         patch->shift * contacts->facets.at[f].area, contacts->facets.at[f].normal, fall);
+  }
+  PetscCall(MpmSpaceAddToOwners(space, sum->block, fall));
+  PetscCall(MpmSpaceToGhosts(space, sum->block, fall));
+  for (PetscInt k = 0; k < space->local * sum->block; k++)
+    fall[k] *= mass[k / sum->block] > 0. ? dt * dt / mass[k / sum->block] : 0.;
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    MpmPatch *patch = &contacts->patch[k];
+
+    if (!IsAtRest(contacts, patch)) continue;
+    patch->shift /= patch->stiffness;
+    for (PetscInt f = patch->begin; f < patch->end; f++) {
+      const MpmFacet *facet = &contacts->facets.at[f];
+      PetscReal       value[MPM_MAX_DIM];
+
+      MpmPatchValue(contacts, sum, patch, f, fall, value);
+      for (PetscInt a = 0; a < dim; a++) patch->shift -= facet->area / patch->area * facet->normal[a] * value[a];
+    }
+  }
+  PetscCall(PetscFree(fall));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt)
 {
   MpmContacts    *contacts = (MpmContacts *)ctx;
   const PetscReal share    = PetscPowRealInt(0.5, sum->space->dim - 1);
+  PetscBool       rests    = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   contacts->dt = sum->step.dt;
@@ -346,9 +394,13 @@ PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal ma
                                  MpmTurn(sum->points->F_size, contacts->facets.at[patch->begin].place[0])
                                 : patch->area;
 
+    if (IsAtRest(contacts, patch)) patch->shift *= patch->stiffness;
     if (MpmPatchFlows(contacts, patch) || !(area > 0.) || !(inverse > 0.)) continue;
     patch->direct    = PETSC_TRUE;
     patch->stiffness = PetscMin(patch->stiffness, share / (inverse * dt * dt * area));
   }
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++)
+    rests = (PetscBool)(rests || contacts->facets.boundaries[b].fields.rest);
+  if (rests) PetscCall(ShiftRest(contacts, sum, mass, dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

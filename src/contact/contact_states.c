@@ -30,8 +30,7 @@ static MpmPatchState StateOf(const MpmContacts *contacts, const MpmPatch *patch,
   return answer->slides ? MPM_PATCH_SLIDES : MPM_PATCH_STICKS;
 }
 
-/* Its gap at the step's start, by where its facets stand there. */
-static PetscReal StartGap(const MpmContacts *contacts, const MpmPatch *patch)
+PetscReal MpmPatchStartGap(const MpmContacts *contacts, const MpmPatch *patch)
 {
   PetscReal gap = -patch->shift;
 
@@ -66,19 +65,19 @@ static void Hold(const MpmContacts *contacts, MpmPatch *patch, const MpmSum *sum
                  MpmPatchWork *work)
 {
   const MpmBoundary *boundary = &contacts->facets.boundaries[patch->boundary];
-  const PetscReal    gap      = StartGap(contacts, patch);
+  const PetscReal    gap      = MpmPatchStartGap(contacts, patch);
   const PetscReal    limit    = patch->stiffness * boundary->friction * PetscMax(-gap, 0.) + boundary->adhesion;
   PetscReal          size     = 0.;
   MpmPatchAnswer     answer;
 
   if (MpmFacetsBody(&contacts->facets, patch->boundary) || gap > contacts->facets.touch) return;
-  patch->held = PETSC_TRUE;
+  patch->hold.on = PETSC_TRUE;
   if (!boundary->tangential || boundary->stick) return;
   (void)StateOf(contacts, patch, sum, u, work, &answer); /* sticks: the whole slip */
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) size += PetscSqr(answer.slip[a]);
-  size          = PetscSqrtReal(size);
-  patch->glides = (PetscBool)(MpmPatchAlong(contacts, patch) * patch->stiffness * size > FAR * limit);
-  for (PetscInt a = 0; patch->glides && a < MPM_MAX_DIM; a++) patch->way[a] = answer.slip[a] / size;
+  size               = PetscSqrtReal(size);
+  patch->hold.glides = (PetscBool)(MpmPatchAlong(contacts, patch) * patch->stiffness * size > FAR * limit);
+  for (PetscInt a = 0; patch->hold.glides && a < MPM_MAX_DIM; a++) patch->hold.way[a] = answer.slip[a] / size;
 }
 
 PetscErrorCode MpmContactsBegin(void *ctx, const MpmSum *sum, const PetscReal u[], PetscBool careful)
@@ -99,8 +98,8 @@ PetscErrorCode MpmContactsBegin(void *ctx, const MpmSum *sum, const PetscReal u[
     patch->state = StateOf(contacts, patch, sum, u, &work, &answer);
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) patch->traction[a] = answer.traction[a];
     if (patch->state == MPM_PATCH_OPEN) Hold(contacts, patch, sum, u, &work);
-    if (patch->held) contacts->newton.holds = PETSC_TRUE;
-    if (careful && (patch->held || (patch->state == MPM_PATCH_SLIDES && Turned(contacts, patch, &answer))))
+    if (patch->hold.on) contacts->newton.holds = PETSC_TRUE;
+    if (careful && (patch->hold.on || (patch->state == MPM_PATCH_SLIDES && Turned(contacts, patch, &answer))))
       contacts->newton.secant = PETSC_TRUE;
   }
   PetscCall(MpmPatchWorkDestroy(&work));
@@ -122,13 +121,13 @@ PetscErrorCode MpmContactsFollow(void *ctx, const MpmSum *sum, const PetscReal u
   PetscCall(MpmPatchWorkCreate(contacts, &work));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPatch           *patch = &contacts->patch[k];
-    const MpmPatchState held  = patch->glides ? MPM_PATCH_SLIDES : MPM_PATCH_STICKS;
-    const MpmPatchState last  = patch->held ? held : patch->state;
+    const MpmPatchState held  = patch->hold.glides ? MPM_PATCH_SLIDES : MPM_PATCH_STICKS;
+    const MpmPatchState last  = patch->hold.on ? held : patch->state;
     PetscReal           along = 0.;
     MpmPatchAnswer      answer;
 
-    patch->held = patch->glides = PETSC_FALSE;
-    patch->state                = StateOf(contacts, patch, sum, u, &work, &answer);
+    patch->hold.on = patch->hold.glides = PETSC_FALSE;
+    patch->state                        = StateOf(contacts, patch, sum, u, &work, &answer);
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) along += answer.traction[a] * patch->traction[a];
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) patch->traction[a] = answer.traction[a];
     if (patch->state != last || (patch->state == MPM_PATCH_SLIDES && along < 0.)) other = PETSC_TRUE;
@@ -157,5 +156,5 @@ void MpmContactsEnd(void *ctx)
   contacts->newton.careful = contacts->newton.secant = contacts->newton.holds = PETSC_FALSE;
   contacts->newton.least                                                      = 0.;
   for (PetscInt k = 0; k < contacts->patch_count; k++)
-    contacts->patch[k].held = contacts->patch[k].glides = PETSC_FALSE;
+    contacts->patch[k].hold.on = contacts->patch[k].hold.glides = PETSC_FALSE;
 }

@@ -362,6 +362,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     AddReaction(contacts, &contacts->patch[k], sum, u, &work, &answers[k]);
   PetscCall(MpmContactsKeep(contacts, sum, answers, particles));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].rest = -answers[k].gap;
   if (contacts->face) PetscCall(MpmContactsFindFaces(contacts, sum, answers, particles));
   contacts->newton.bare = (PetscBool)!contacts->newton.near;
   PetscCall(PetscFree(answers));
@@ -436,7 +437,7 @@ const MpmTerm MpmTermContact = {.name        = "rigid contact",
                                 .residual    = Residual,
                                 .tangent     = Tangent,
                                 .apply       = Apply,
-                                .step.commit = Commit,
+                                .step        = {.commit = Commit, .put_back = MpmContactsPutBack},
                                 .traits      = Traits,
                                 .near        = Near,
                                 .energy.work = Work,

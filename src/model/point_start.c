@@ -255,6 +255,7 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
   for (PetscInt k = 0; k < model->scene.boundaries->count; k++) {
     if (model->scene.boundaries->at[k].fields.pressure)
       fields[(*count)++] = model->scene.boundaries->at[k].fields.pressure;
+    if (model->scene.boundaries->at[k].fields.rest) fields[(*count)++] = model->scene.boundaries->at[k].fields.rest;
     if (model->scene.boundaries->at[k].bilateral) fields[(*count)++] = model->scene.boundaries->at[k].fields.gap;
     if (model->scene.boundaries->at[k].fields.broken) fields[(*count)++] = model->scene.boundaries->at[k].fields.broken;
   }
@@ -280,7 +281,7 @@ static PetscErrorCode NameFields(const MpmModel model, const char ***names, Pets
   *count = 0;
   PetscCall(
     PetscMalloc1((scene->loads->count + tracks->count + MpmLinesFieldCount(model) + scene->motions->count +
-                  (scene->boundaries->count + scene->pairs->count + 1) * (MPM_MAX_DIM + 3) + 1 + MPM_CHANGE_FIELDS),
+                  (scene->boundaries->count + scene->pairs->count + 1) * (MPM_MAX_DIM + 4) + 1 + MPM_CHANGE_FIELDS),
                  names));
   fields = *names;
   for (PetscInt l = 0; l < scene->loads->count; l++)

@@ -13,6 +13,7 @@ typedef struct {
   PetscBool face;              /* the history has the largest pressure and the run-up (contact_face.c) */
   char     *slip[MPM_MAX_DIM]; /* where tangential */
   char     *pressure; /* where augmented; its mean over time where friction is by a law of the bed, or `face` */
+  char     *rest;     /* depth of a geostatic state, where the scene has one and the penalty alone acts */
   char     *gap;      /* where bilateral */
   char     *broken;   /* where it has a tension: 1 where it has let go */
 } MpmBoundaryFields;
@@ -57,6 +58,8 @@ typedef struct MpmBoundaries {
 PetscErrorCode MpmFrictionRead(const MpmOptions *block, PetscReal *friction, PetscReal *adhesion, PetscBool *stick);
 PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                  MpmBoundary *boundary);
+/* For scenes with a geostatic stage: points keep its depth, so that the material stands where it was drawn. */
+PetscErrorCode MpmBoundaryKeepRest(MpmBoundary *boundary);
 PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary);
 MpmPose        MpmBoundaryPose(const MpmBoundary *boundary, PetscReal time);
 /* Seen from the place x, the boundary standing there. */

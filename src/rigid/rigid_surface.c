@@ -148,6 +148,17 @@ static PetscErrorCode NameFields(MpmBoundary *boundary, PetscBool tears)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmBoundaryKeepRest(MpmBoundary *boundary)
+{
+  char field[256];
+
+  PetscFunctionBeginUser;
+  if (boundary->augmented || boundary->basal || boundary->fields.rest) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(field, sizeof(field), "rest_%s", boundary->name));
+  PetscCall(PetscStrallocpy(field, &boundary->fields.rest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBoundaryCreate(const MpmOptions *options, const char *name, const MpmGrid *grid,
                                  MpmBoundary *boundary)
 {
@@ -210,6 +221,7 @@ PetscErrorCode MpmBoundaryDestroy(MpmBoundary *boundary)
   PetscCall(MpmBasalFrictionDestroy(boundary));
   PetscCall(PetscFree(boundary->name));
   PetscCall(PetscFree(boundary->fields.pressure));
+  PetscCall(PetscFree(boundary->fields.rest));
   PetscCall(PetscFree(boundary->fields.gap));
   PetscCall(PetscFree(boundary->fields.broken));
   PetscCall(MpmSolidDestroy(&boundary->solid));

@@ -148,6 +148,8 @@ PetscErrorCode MpmGeostaticCheck(MpmModel model, const MpmStage *stage)
       "-mpm_boundary_%s_free: its place is solved for, and the geostatic stage %s is an equilibrium without "
       "motion",
       model->scene.boundaries->names[b], stage->name);
+  for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
+    PetscCall(MpmBoundaryKeepRest(&model->scene.boundaries->at[b]));
   for (PetscInt m = 0; m < model->scene.motions->count; m++) {
     for (PetscInt k = 0; k < model->scene.motions->at[m].component_count; k++)
       MpmCheckInput(!stage->motions[m] || model->scene.motions->at[m].value[k] == 0.,

@@ -10,6 +10,7 @@ from talus_test import Test, difference  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 BLOCK, INCLINED = (HERE / name for name in ("block_at_rest.yaml", "inclined_block.yaml"))
+LEVEL = HERE / "level.yaml"
 STAGES = {"mpm_stages": "rest,hold", "mpm_stage_rest_type": "geostatic", "mpm_stage_rest_time_end": 1, "mpm_stage_hold_time_end": 1,
           "mpm_stage_hold_time_step": 0.5, "mpm_load_weight_ramp": "0:1"}
 WEIGHT, HEIGHT = 25e3, 3.0
@@ -33,6 +34,24 @@ def level(test):
         test.check(f"level_again_on_{ranks}.same", difference(runs["gravity"].table("stress"), run.table("stress")), None, 1e-10)
 
 
+def floor(test):
+    """Ground on a rigid plane, whose penalty needs a depth for its pressure, stands as it was drawn, whatever comes next."""
+    plane = {"mpm_boundaries": "floor", "mpm_boundary_floor_type": "plane", "mpm_boundary_floor_point": "0,0",
+             "mpm_boundary_floor_normal": "0,1", "mpm_boundary_floor_friction": 0.3, "mpm_checkpoint_every": 1, "mpm_checkpoint_keep": 3}
+    block, layers = {"mpm_bcs": "left,right", **plane}, {"mpm_bcs": "west,east", "mpm_output_every": 1, **plane}
+    runs = {"gravity": test.run(BLOCK, **block),
+            "k0_on_3": test.run(BLOCK, ranks=3, mpm_stage_rest_geostatic_method="k0", mpm_stage_rest_geostatic_k0=0.5, **block),
+            "newmark": test.run(LEVEL, mpm_boundary_floor_contact="bilateral", mpm_stage_hold_time_integrator="newmark", **layers),
+            "relaxation": test.run(LEVEL, mpm_stage_hold_type="relaxation", mpm_stage_hold_time_step=1e-4, mpm_material_rock_E=5e7, **layers)}
+    runs["again"] = test.run(BLOCK, ranks=2, mpm_restart=runs["gravity"].folder / "rest_checkpoint_000001.h5", **block)
+    for label, run in runs.items():
+        force = run.results.column("reaction_floor_y")
+        test.check(f"floor_{label}.force", difference(force[-1], force[0]), None, 1e-6)
+        test.check(f"floor_{label}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
+    run = test.run(LEVEL, mpm_stage_hold_time_integrator="explicit", mpm_stage_hold_time_end=0.1, mpm_stage_hold_time_step=1e-3, mpm_material_rock_E=5e7, **layers)
+    test.check("floor_explicit.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 1e-5)
+
+
 def slope(test):
     """A block on a slope that friction holds."""
     run = test.run(INCLINED, **STAGES)
@@ -43,4 +62,5 @@ def slope(test):
 
 with Test() as check:
     level(check)
+    floor(check)
     slope(check)
