@@ -128,6 +128,27 @@ static PetscErrorCode CheckGravity(MpmModel model, const MpmStage *stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A geostatic stage is solved at its end, from the places at its start: boundaries must stand still between the two. */
+static PetscErrorCode CheckBoundary(const MpmModel model, const MpmStage *stage, const MpmBoundary *boundary)
+{
+  PetscReal start = 0.;
+  MpmPose   before, after;
+
+  PetscFunctionBeginUser;
+  MpmCheckInput(
+    !boundary->freedom,
+    "-mpm_boundary_%s_free: its place is solved for, and the geostatic stage %s is an equilibrium without motion",
+    boundary->name, stage->name);
+  for (const MpmStage *other = model->scene.stages.at; other < stage; other++) start += other->time.end;
+  before = MpmBoundaryPose(boundary, start);
+  after  = MpmBoundaryPose(boundary, start + stage->time.end);
+  MpmCheckInput(!memcmp(&before, &after, sizeof(after)),
+                "-mpm_boundary_%s_ramp: the boundary moves from %g to %g s, in the geostatic stage %s, an equilibrium "
+                "without motion; its ramp counts from the run's start",
+                boundary->name, (double)start, (double)(start + stage->time.end), stage->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmGeostaticCheck(MpmModel model, const MpmStage *stage)
 {
   PetscFunctionBeginUser;
@@ -142,14 +163,10 @@ PetscErrorCode MpmGeostaticCheck(MpmModel model, const MpmStage *stage)
                     "-mpm_bc_%s_value %g: must be 0 in the geostatic stage %s, an equilibrium without motion",
                     model->scene.bcs->names[b], (double)bc->value[k], stage->name);
   }
-  for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
-    MpmCheckInput(
-      !model->scene.boundaries->at[b].freedom,
-      "-mpm_boundary_%s_free: its place is solved for, and the geostatic stage %s is an equilibrium without "
-      "motion",
-      model->scene.boundaries->names[b], stage->name);
-  for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
+  for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
+    PetscCall(CheckBoundary(model, stage, &model->scene.boundaries->at[b]));
     PetscCall(MpmBoundaryKeepRest(&model->scene.boundaries->at[b]));
+  }
   for (PetscInt m = 0; m < model->scene.motions->count; m++) {
     for (PetscInt k = 0; k < model->scene.motions->at[m].component_count; k++)
       MpmCheckInput(!stage->motions[m] || model->scene.motions->at[m].value[k] == 0.,
