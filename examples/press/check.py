@@ -55,12 +55,13 @@ def draw(results):
     import matplotlib.pyplot as plt
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 2.9), layout="constrained", width_ratios=(1.0, 1.4))
-    state = results.state("last")
-    place, damage = 1e3 * state["position"], state["damage"].ravel()
-    cut = abs(place[:, 1] - 0.5) < 0.06
-    drawn = left.scatter(place[cut, 0], place[cut, 2], s=14, c=damage[cut], cmap="magma_r", vmin=0.0, vmax=1.0)
-    left.set(aspect="equal", xlabel="x (mm)", ylabel="z (mm)")
-    figure.colorbar(drawn, ax=left, label="damage")
+    state = results.state(next(step for step in results.steps if results.state(step).time >= 0.25))
+    place, damage, grain = 1e3 * state["position"], state["damage"].ravel(), state["material"].ravel() == 0
+    cut = abs(place[:, 1] - 0.47) < 0.03
+    side = 72 * 2.02 / 16  # of a point's square in the picture
+    drawn = left.scatter(place[cut, 0], place[cut, 2], s=side**2, marker="s", c=damage[cut], cmap="magma_r", vmin=0.0, vmax=1.0)
+    left.scatter(place[cut & grain, 0], place[cut & grain, 2], s=9, c="tab:blue", label="grain")
+    left.set(aspect="equal", xlabel="x (mm)", ylabel="z (mm)", xlim=(0, 1), ylim=(0, 1), title="shortened by 5 %")
     shortening, pressure, energy = curve(results)
     right.plot(100 * shortening, pressure, ".-", markersize=4, label="pressure (MPa)")
     right.plot(100 * shortening, 10 * energy, ".-", markersize=4, label="energy of fracture (0.1 mJ)")
