@@ -146,6 +146,7 @@ PetscErrorCode MpmMotionRead(const MpmOptions *block, PetscInt dim, MpmMotion *m
     PetscCall(ReadTable(block, table, dim, motion));
   }
   if (!table || help) PetscCall(MpmRampCreate(block, "ramp", "0:0,1:1", &motion->ramp));
+  PetscCall(MpmOptionsHas(block, "ramp", &motion->given));
   PetscCall(PetscFree(table));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -181,7 +182,7 @@ MpmPose MpmMotionPose(const MpmMotion *motion, PetscReal time)
     MpmPoseSetRotation(&pose, motion->pivot, &component[MPM_MAX_DIM]);
     return pose;
   }
-  factor      = MpmRampEvaluate(motion->ramp, time);
+  factor      = MpmRampEvaluate(motion->ramp, time - motion->delay);
   pose.growth = motion->growth * factor;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     pose.translation[a] = motion->translation[a] * factor;

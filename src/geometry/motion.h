@@ -11,7 +11,9 @@ typedef struct {
   PetscReal  translation[MPM_MAX_DIM], rotation[MPM_MAX_DIM]; /* m, radians; times ramp */
   PetscReal  pivot[MPM_MAX_DIM], growth;                      /* growth: of a radius, m, times ramp */
   MpmRamp    ramp;
-  PetscInt   rows; /* of the table; 0 without one */
+  PetscBool  given; /* the ramp, by the scene */
+  PetscReal  delay; /* of the ramp, s */
+  PetscInt   rows;  /* of the table; 0 without one */
   PetscReal *time, *value;
 } MpmMotion;
 

@@ -302,7 +302,7 @@ static PetscReal StillFrom(const MpmModel model)
     const MpmMotion *motion = &scene->boundaries->at[b].motion;
 
     if (motion->rows) until = PetscMax(until, motion->time[motion->rows - 1]);
-    else if (MpmMotionMoves(motion)) until = Later(until, motion->ramp, 0.);
+    else if (MpmMotionMoves(motion)) until = Later(until, motion->ramp, motion->delay);
   }
   for (PetscInt b = 0; b < scene->bodies->count; b++)
     until = Later(until, state->scheme.fading[b].ramp, state->scheme.fading[b].start);

@@ -128,10 +128,14 @@ static PetscErrorCode CheckGravity(MpmModel model, const MpmStage *stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A geostatic stage is solved at its end, from the places at its start: boundaries must stand still between the two. */
-static PetscErrorCode CheckBoundary(const MpmModel model, const MpmStage *stage, const MpmBoundary *boundary)
+/*
+  A geostatic stage is solved at its end, from the places at its start: boundaries must stand still between the two. A
+  ramp that the scene does not give begins behind the geostatic stages at the run's start.
+*/
+static PetscErrorCode CheckBoundary(const MpmModel model, const MpmStage *stage, MpmBoundary *boundary)
 {
   PetscReal start = 0.;
+  PetscBool first = PETSC_TRUE;
   MpmPose   before, after;
 
   PetscFunctionBeginUser;
@@ -139,7 +143,11 @@ static PetscErrorCode CheckBoundary(const MpmModel model, const MpmStage *stage,
     !boundary->freedom,
     "-mpm_boundary_%s_free: its place is solved for, and the geostatic stage %s is an equilibrium without motion",
     boundary->name, stage->name);
-  for (const MpmStage *other = model->scene.stages.at; other < stage; other++) start += other->time.end;
+  for (const MpmStage *other = model->scene.stages.at; other < stage; other++) {
+    start += other->time.end;
+    first = (PetscBool)(first && other->geostatic.method != MPM_GEOSTATIC_NONE);
+  }
+  if (first && !boundary->motion.given) boundary->motion.delay = start + stage->time.end;
   before = MpmBoundaryPose(boundary, start);
   after  = MpmBoundaryPose(boundary, start + stage->time.end);
   MpmCheckInput(!memcmp(&before, &after, sizeof(after)),

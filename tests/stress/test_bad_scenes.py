@@ -333,7 +333,7 @@ CASES = [
     ("motion in a geostatic stage", {**PUSH, **GEOSTATIC, "mpm_loads": "weight", "mpm_load_push_type": None,
                                      "mpm_load_push_at": None, "mpm_load_push_nearest": None,
                                      "mpm_load_push_value": None}, "-mpm_motion_push_value"),
-    ("boundary that moves in a geostatic stage", {**PLANE, **GEOSTATIC, "mpm_loads": "weight", "mpm_boundary_wall_motion": "-0.1,0"},
+    ("boundary that moves in a geostatic stage", {**PLANE, **GEOSTATIC, "mpm_loads": "weight", "mpm_boundary_wall_motion": "-0.1,0", "mpm_boundary_wall_ramp": "0:0,1:1"},
      "-mpm_boundary_wall_ramp: the boundary moves from 0. to "),
     ("grid that follows nothing", {**FOLLOW, "mpm_grid_follow": "pile"}, "-mpm_grid_follow pile"),
     ("moving grid without axes", {**FOLLOW, "mpm_grid_axes": None}, "-mpm_grid_axes"),

@@ -50,6 +50,8 @@ def floor(test):
         test.check(f"floor_{label}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
     run = test.run(LEVEL, mpm_stage_hold_time_integrator="explicit", mpm_stage_hold_time_end=0.1, mpm_stage_hold_time_step=1e-3, mpm_material_rock_E=5e7, **layers)
     test.check("floor_explicit.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 1e-5)
+    run = test.run(LEVEL, mpm_boundary_floor_motion="0,1e-3", **layers)  # behind the geostatic stage, without a ramp
+    test.near("floor_lifts", np.mean(run.table("displacement")[:, 1]), 1e-3, relative=1e-5)
 
 
 def slope(test):
