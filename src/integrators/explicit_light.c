@@ -10,6 +10,8 @@
   an edge of the grid. Such a node, of mass m, that one point touches vibrates with (c/h) sqrt(rho h^dim/m), faster than
   steps can follow, where the point takes its gradient unchanged: in the affine velocity, and in the stress of usl. The
   point's momentum is kept.
+
+  A column's mass goes with its depth, and that is not the cell's: nodes of columns are light by the area about them.
 */
 #include "grid/grid.h"
 #include "grid/shape.h"
@@ -18,12 +20,13 @@
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "assembly/terms.h"
+#include "terrain/bed_flow.h"
 #include "volume/inertia.h"
 #include "query/model.h"
 #include "integrators/dynamics.h"
 #include "integrators/explicit.h"
 
-#define LIGHT        1e-2 /* of the mass of the lightest material in a cell: lower bound of nodal masses, */
+#define LIGHT        1e-2 /* of the mass of the lightest material in a cell, or of its area: lower bound of nodes, */
 #define LIGHT_AFFINE 0.25 /* and for affine velocities: a step of cfl 1 is then stable */
 
 /* Least mass of a node, kg. */
@@ -37,6 +40,22 @@ static PetscReal LeastMass(const MpmModel model, PetscReal part)
   return least * MpmGridTurn(model->disc.grid, model->disc.grid->lower[0] + 0.5 * model->disc.grid->h[0]);
 }
 
+/* A number of each local node, and the part of a full cell below which a node is light, in its unit. */
+typedef struct {
+  const PetscReal *of;
+  PetscInt         apart;
+  PetscReal        least;
+} Weights;
+
+static Weights FindWeights(const MpmModel model, PetscReal part)
+{
+  const MpmBedFlow *bed = model->disc.context.bed;
+  const PetscReal  *h   = model->disc.grid->h;
+
+  if (bed) return (Weights){&bed->sums[MPM_BED_AREA], MPM_BED_SUMS, part * h[0] * h[1]};
+  return (Weights){model->disc.context.inertia->mass, 1, LeastMass(model, part)};
+}
+
 PetscBool MpmExplicitIsLinear(const MpmModel model)
 {
   return (PetscBool)(!MpmShapeHasDomain(model->scene.shape.type) && MpmShapeDegree(model->scene.shape.type) < 2);
@@ -44,24 +63,24 @@ PetscBool MpmExplicitIsLinear(const MpmModel model)
 
 PetscBool MpmLightNodesExist(const MpmModel model)
 {
-  const PetscReal *mass = model->disc.context.inertia->mass, least = LeastMass(model, LIGHT_AFFINE);
+  const Weights weights = FindWeights(model, LIGHT_AFFINE);
 
   if (MpmExplicitIsLinear(model)) return PETSC_TRUE;
   for (PetscInt i = 0; i < model->disc.space->local; i++)
-    if (mass[i] < least && mass[i] > 0.) return PETSC_TRUE;
+    if (weights.of[i * weights.apart] < weights.least && weights.of[i * weights.apart] > 0.) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
-/* Of nodes with less than `light` of the lightest material's mass in a cell. */
+/* Of nodes with less than `light` of a full cell. */
 static void Limit(const MpmModel model, PetscReal light, PetscReal dt, PetscReal u[])
 {
   const MpmConstraints *constraints = model->disc.constraints;
-  const PetscReal      *mass = model->disc.context.inertia->mass, *v_old = model->state.scheme.dynamics->v_old;
-  const PetscInt        dim   = model->disc.dim;
-  const PetscReal       least = LeastMass(model, light);
+  const PetscReal      *v_old       = model->state.scheme.dynamics->v_old;
+  const PetscInt        dim         = model->disc.dim;
+  const Weights         weights     = FindWeights(model, light);
 
   for (PetscInt k = 0; k < model->disc.space->local * dim; k++) {
-    const PetscReal part = mass[k / dim] / least;
+    const PetscReal part = weights.of[k / dim * weights.apart] / weights.least;
 
     if (part < 1. && MpmConstraintsFree(constraints, k)) u[k] = part * u[k] + (1. - part) * dt * v_old[k];
   }

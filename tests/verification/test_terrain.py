@@ -38,6 +38,22 @@ BODY = ('  body_{name}: {{region: box, lower: "{lower!r},0", upper: "{upper!r},{
         "material: mud, depth: {depth!r}}}\n")
 
 
+CAP = """mpm:
+  dim: 2
+  physics: depth_averaged
+  bed: "0,-0.3,0.1"
+  shape: {shape}
+  grid: {{lower: "0,0", upper: "{upper}", cells: "24,16"}}
+  materials: sand
+  material_sand: {{type: coulomb, mu: 0.1, density: 1000}}
+  bodies: cap
+  body_cap: {{region: sphere, center: "{center}", radius: {radius!r}, depth: {depth!r}, points_per_cell: "2,2", material: sand}}
+  time: {{integrator: explicit, end: {end!r}}}
+  output: {{every: 0}}
+  quiet: true
+"""
+
+
 def strip(test, cell, depths, end, material, slope="vertical", bed=0.0, sides=(8.0, 10.0)):
     """Points of a row of cells in the last state: a depth left of 0, and one right of it unless that is 0."""
     lower, upper = -cell * math.ceil(sides[0] / cell), cell * math.ceil(sides[1] / cell)
@@ -194,6 +210,21 @@ def slide(test):
     test.check("slide.moves", float(state["position"][:, 0].mean()) - 60, 10, 60)
 
 
+def scaled(test):
+    """A cap on a slope, in metres and in a laboratory's size: lengths by 1/64, times by 1/8, momentum and energies by their powers."""
+    for shape in ("linear", "gimp"):
+        one, other = [], []
+        for to, size in ((one, 1.0), (other, 1 / 64)):
+            path = test.folder() / "cap.yaml"
+            path.write_text(CAP.format(shape=shape, upper=f"{48 * size},{32 * size}", center=f"{18 * size},{17 * size}", radius=6 * size,
+                                       depth=1.5 * size, end=2 * math.sqrt(size)))
+            history = test.run(path).results.history
+            to += [history["momentum_x"][-1] / size**3.5] + [history["energy_" + name][-1] / size**4 for name in
+                                                             ("kinetic", "dissipated", "external", "balance")]
+        test.check(f"scaled.{shape}", float(max(abs(np.array(other) - one)) / abs(one[3])), 0, 1e-9)
+        test.check(f"scaled.{shape}.balance", abs(one[4] / one[3]), 0, 0.03)
+
+
 def mixing(test):
     """Lateral friction: columns that move among nodes which are held, and a slide with it on ranks."""
     path = test.folder() / "mixing.yaml"
@@ -304,6 +335,7 @@ with Test() as test:
     lake(test, "rough", rough, "normal", 2)
 
     slide(test)
+    scaled(test)
     mixing(test)
     wedge(test)
     turned(test)
