@@ -24,7 +24,7 @@ from results import Results  # noqa: E402
 
 # Ranks on one machine need shared memory only, and are bound to no core: looking for hardware takes longer than most runs here.
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               "OMPI_MCA_pml": "ob1", "HWLOC_COMPONENTS": "no_os,stop", "MPLBACKEND": "Agg"}
+               "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader", "HWLOC_COMPONENTS": "no_os,stop", "MPLBACKEND": "Agg"}
 # One rank needs no daemon beside it; each run has a folder of its own for what Open MPI leaves there for the while.
 SESSION = tempfile.TemporaryDirectory(prefix="talus_mpi_")
 TIME_LIMIT = 600.0  # s, for one run

@@ -3,7 +3,7 @@
   differences of the plain form.
 */
 #include "laws.h"
-#include <check.h>
+#include "../checks.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* Laws against numbers: closed forms and published values at single points. */
 #include "laws.h"
-#include <check.h>
+#include "../checks.h"
 #include <math.h>
 #include <string.h>
 

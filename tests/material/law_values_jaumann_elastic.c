@@ -1,6 +1,6 @@
 /* jaumann_elastic against closed forms: rotation, stretch, simple shear, closed cycles, the return to Mohr-Coulomb's planes. */
 #include "laws.h"
-#include <check.h>
+#include "../checks.h"
 #include <math.h>
 #include <string.h>
 

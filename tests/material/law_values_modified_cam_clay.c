@@ -3,7 +3,7 @@
   history follows from a stress. Pressures here are positive in compression, kPa.
 */
 #include "laws.h"
-#include <check.h>
+#include "../checks.h"
 #include <math.h>
 #include <string.h>
 

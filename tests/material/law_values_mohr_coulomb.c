@@ -3,7 +3,7 @@
   region, softening in closed form.
 */
 #include "laws.h"
-#include <check.h>
+#include "../checks.h"
 #include <math.h>
 #include <string.h>
 

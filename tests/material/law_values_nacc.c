@@ -1,6 +1,6 @@
 /* NACC against numbers: returns at both tips and to the ellipse, what hardens and softens, strength that lags. */
 #include "laws.h"
-#include <check.h>
+#include "../checks.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* newtonian against closed forms: pressure by volume, viscous stress by rate, tension, an initial pressure. */
 #include "laws.h"
-#include <check.h>
+#include "../checks.h"
 #include <math.h>
 
 TCase *NewtonianCase(void);

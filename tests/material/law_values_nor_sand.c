@@ -3,7 +3,7 @@
   limit N = 0, continuity and Taylor's remainder.
 */
 #include "laws.h"
-#include <check.h>
+#include "../checks.h"
 #include <math.h>
 #include <string.h>
 

@@ -3,7 +3,7 @@
   of formulas in principal logarithmic stretches that share nothing with the laws.
 */
 #include "laws.h"
-#include <check.h>
+#include "../checks.h"
 #include <math.h>
 #include <string.h>
 

@@ -3,7 +3,7 @@
   acoustic tensor of the tangent, for every registered law.
 */
 #include "laws.h"
-#include <check.h>
+#include "../checks.h"
 #include <math.h>
 
 enum { SAMPLES = 60, DIRECTIONS = 100 };

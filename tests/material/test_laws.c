@@ -3,8 +3,8 @@
   parameters and states drawn at random from fixed seeds; plastic states are reached by random paths.
 */
 #include "laws.h"
+#include "../checks.h"
 #include "law_plugin.h"
-#include <check.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -237,7 +237,7 @@ START_TEST(random_points)
       PetscReal error;
 
       snprintf(shape, sizeof(shape), "element -mpm_order %d", (int)order);
-      SCENE_CALL(BlockCreate(dim, shape, BLOCK_DRY, "-mpm_stabilization_filled 0", &model));
+      SCENE_CALL(BlockCreate(dim, shape, BLOCK_DRY, "-mpm_stabilization_filled 0 -mpm_jacobian matfree", &model));
       SCENE_CALL(Scatter(model));
       SCENE_CALL(SceneBegin(model, 0.25));
       SCENE_CALL(AtPoints(model, order, &error));
@@ -285,7 +285,7 @@ START_TEST(ghost_penalty)
       PetscReal norm[2];
       PetscInt  order;
 
-      SCENE_CALL(BlockCreate(dim, elements[s], BLOCK_DRY, "-mpm_stabilization_ghost 1", &model));
+      SCENE_CALL(BlockCreate(dim, elements[s], BLOCK_DRY, "-mpm_stabilization_ghost 1 -mpm_jacobian matfree", &model));
       SCENE_CALL(BlockShift(model, 0.3));
       SCENE_CALL(SceneBegin(model, 0.25));
       order = MpmShapeOrder(model->scene.shape.type);

@@ -345,9 +345,9 @@ static void CheckAll(PetscInt dim)
 
         /* other laws would tell nothing new of conditions; and surfaces that are round, or only push, are not linear */
         if (held >= INCLINED && l != 2 && l != 4) continue;
-        /* any two of shape, law and variant meet */
-        if (UNIT_SANITIZED &&
-            (held < INCLINED ? (shape + (PetscInt)l + held) % 3 : (shape + (PetscInt)l / 2 + held) % 2))
+        /* any two of shape, law and variant meet; under the sanitizers shape and variant, with one law */
+        if (UNIT_SANITIZED && held < INCLINED && (shape + (PetscInt)l + held) % 6) continue;
+        if (UnitFew() && (held < INCLINED ? (shape + (PetscInt)l + held) % 3 : (shape + (PetscInt)l / 2 + held) % 2))
           continue;
         SCENE_CALL(Create(dim, MpmShapeTypes[shape], &laws[l], held, &model));
         SCENE_CALL(Look(model, &laws[l], 0., &plastic, &verdict));
@@ -439,7 +439,7 @@ START_TEST(spread_means)
     SceneVerdict    verdict;
     PetscReal       plastic;
 
-    if ((k / 8 && dim == 2) || (UNIT_SANITIZED && k % 3)) continue;
+    if ((k / 8 && dim == 2) || (UnitFew() && k % 3)) continue;
     SCENE_CALL(Create(dim, shapes[k / 2 % 2], law, held, &model));
     SCENE_CALL(Look(model, law, half, &plastic, &verdict));
     ck_assert_int_eq((int)model->disc.layout->means, 1);

@@ -6,16 +6,25 @@
 */
 #include "talus/compat.h"
 
-#include <check.h>
+#include "../checks.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-/* The sanitizers take four times as long: they see some of the combinations, the other builds all. */
+/* The sanitizers take four times as long, and so do ranks that wait for each other: these see some of the combinations,
+   one rank of other builds all. */
 #if defined(__SANITIZE_ADDRESS__)
 #define UNIT_SANITIZED 1
 #else
 #define UNIT_SANITIZED 0
 #endif
+
+static inline int UnitFew(void)
+{
+  int size = 1;
+
+  return UNIT_SANITIZED || (!MPI_Comm_size(PETSC_COMM_WORLD, &size) && size > 1);
+}
 
 static inline int UnitRun(int *argc, char ***argv, const char name[], size_t count, const TTest *const tests[])
 {

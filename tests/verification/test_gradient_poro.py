@@ -25,6 +25,7 @@ REST = {"mpm_stages": "rest,load", "mpm_stage_rest_type": "geostatic", "mpm_stag
         "mpm_stage_rest_geostatic_k0": 0.5, "mpm_stage_rest_loads": "weight", "mpm_stage_load_time_end": 100,
         "mpm_stage_load_time_step": 50, "mpm_stage_load_reset_displacement": "true"}
 HEAVY = "clay.E,clay.permeability,clay.porosity,water.viscosity,water.density,clay.density"
+SEVERAL = ("small.means", "finite.spread", "weight", "rest", "flow", "fill")  # on three ranks: what they exchange differs
 LAWS = {
     "small": ({"mpm_stabilization_fbar": "false"}, NUMBERS),
     "small.means": ({"mpm_stabilization_fbar": "true"}, NUMBERS),
@@ -51,10 +52,12 @@ def differentiate(test, parameters, method, ranks=1, column="track_edge_uy", sce
 
 
 def compare(test, label, parameters, twins=1e-6, **options):
-    """The adjoint's gradient, which the tangent, three ranks, and twins have, too."""
+    """The adjoint's gradient, which the tangent, three ranks (of SEVERAL), and twins have, too."""
     value, gradient, methods = differentiate(test, parameters, "adjoint", **options)
     test.check(f"{label}.closed", sum(method == "adjoint" for method in methods), len(gradient), len(gradient))
     for method, ranks, bound in (("tangent", 1, 1e-10), ("adjoint", 3, 1e-8), ("twins", 1, twins)):
+        if ranks > 1 and label not in SEVERAL:
+            continue
         _, other, _ = differentiate(test, parameters, method, ranks, **options)
         test.near(f"{label}.{method}.ranks={ranks}", abs(other / gradient - 1.0).max(), 0.0, absolute=bound)
     return value, gradient

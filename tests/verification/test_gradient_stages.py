@@ -56,11 +56,11 @@ with Test() as test:
             test.near(f"soft.{means}.{method}", gradient[0], (ends[1] - ends[0]) / 60e-5, relative=1e-6)
 
     # a geostatic start, then stages: bodies go, other loads act, displacements begin anew
-    names = "soil.E,soil.cohesion,soil.density,crest.factor,weight.factor"
+    names = "soil.E,soil.cohesion,soil.density,crest.factor,weight.factor,rest.geostatic_k0"
     steps = {"mpm_grid_cells": "24,11", "mpm_stage_load_time_step": 0.1}
     slope = example("slope_stages")
     _, gradient = agree(test, "slope", slope, names, "track_side_ux", **steps)
-    parts = gradient * (30e6, 12e3, 2000, 1, 1)
+    parts = gradient[:5] * (30e6, 12e3, 2000, 1, 1)
     test.near("slope.scaling", parts[[0, 1, 3, 4]].sum(), 0.0, absolute=1e-8 * abs(parts).max())
     test.near("slope.weight", parts[2], parts[4], relative=1e-8)  # a density acts as gravity
     ends = [differentiate(test, slope, "soil.E", "track_side_ux", mpm_material_soil_E=repr(30e6 * (1 + step)), **steps)[0]
@@ -68,9 +68,8 @@ with Test() as test:
     test.near("slope.differences", gradient[0], (ends[1] - ends[0]) / 600.0, relative=1e-6)
 
     # k0 acts on the start alone: the adjoint knows it, as twins of the whole run do
-    _, ratio = agree(test, "k0", slope, "rest.geostatic_k0", "track_crest_uy", **steps)
-    _, twins = differentiate(test, slope, "rest.geostatic_k0", "track_crest_uy", "twins", **steps)
-    test.near("k0.twins", ratio[0], twins[0], relative=1e-6)
+    _, twins = differentiate(test, slope, "rest.geostatic_k0", "track_side_ux", "twins", **steps)
+    test.near("k0.twins", gradient[5], twins[0], relative=1e-6)
 
     # bodies that join, with masses of their own
     dig = Path(__file__).with_name("dig.yaml")

@@ -12,7 +12,7 @@ from talus_test import EXAMPLES, Test, call, example  # noqa: E402
 
 import matplotlib  # noqa: E402
 
-RUNS = (("ritter", 1, {}), ("cap", 3, {}), ("cap", 1, {"mpm_time_end": 5}), ("lake", 3, {}), ("bowl", 1, {}), ("mudflow", 3, {}), ("columns", 3, {}),
+RUNS = (("ritter", 1, {}), ("cap", 3, {}), ("cap", 1, {"mpm_time_end": 5}), ("lake", 3, {}), ("bowl", 1, {}), ("mudflow", 1, {}), ("columns", 1, {}),
         ("valley", 1, {}), ("torrent", 1, {}), ("dem_slope", 1, {}))
 
 with Test() as test:
