@@ -139,6 +139,7 @@ static PetscErrorCode Project(MpmModel model)
   PetscFunctionBeginUser;
   PetscCall(MpmDynamicsResize(model));
   dynamics = model->state.scheme.dynamics;
+  PetscCall(MpmEnergyOpen(model));
   PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, model->disc.context.inertia->mass,
                                dynamics->v_old, dynamics->a_start));
   MpmTermsLend(model->disc.terms, model->disc.context.inertia->mass, dynamics->v_old, dynamics->a_start);

@@ -176,6 +176,7 @@ static PetscErrorCode SumNodes(MpmModel model, MpmOutcome *outcome)
   PetscReal         *force = model->disc.nodal.residual, *mass = model->disc.context.inertia->mass;
 
   PetscFunctionBeginUser;
+  PetscCall(MpmEnergyOpen(model));
   if (first || !IsPlain(model)) {
     PetscCall(MpmMomentumToNodes(model->disc.sum, transfer, mass, dynamics->v_old, NULL));
     PetscCall(MpmExplicitPrescribeStart(model, dynamics->v_old));

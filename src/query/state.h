@@ -98,6 +98,7 @@ typedef struct {
 /* The account of energy, J, in scenes with a dynamic stage (energy.c); sums over all ranks since the start. */
 typedef struct {
   PetscBool known;      /* the relaxation has begun */
+  PetscBool opened;     /* the energy at the run's start has that of affine velocities */
   PetscReal internal;   /* work of the points' stresses */
   PetscReal external;   /* work of loads, of prescribed motions and of boundaries that move */
   PetscReal dissipated; /* by contact and by damping */

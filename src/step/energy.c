@@ -92,6 +92,24 @@ PetscErrorCode MpmEnergyAddAffine(MpmModel model, PetscReal by)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmEnergyOpen(MpmModel model)
+{
+  const MpmMotionControl *motion = MpmModelMotion(model);
+  MpmEnergy              *energy = &model->state.scheme.energy;
+  MpmMotionSums           sums;
+  PetscReal               affine;
+
+  PetscFunctionBeginUser;
+  if (energy->opened || model->state.time > 0.) PetscFunctionReturn(PETSC_SUCCESS);
+  energy->opened = PETSC_TRUE;
+  if (motion->type != MPM_EXPLICIT && !motion->lumped) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMotionSum(model->disc.sum, &motion->transfer, &sums));
+  affine = sums.kinetic - MpmPointsKinetic(model->disc.points, model->scene.materials->at, model->disc.dim);
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &affine, 1, MPIU_REAL, MPIU_SUM, model->comm));
+  energy->start += affine;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmEnergyRebase(MpmModel model)
 {
   MpmEnergy *energy = &model->state.scheme.energy;

@@ -43,6 +43,12 @@ PetscErrorCode MpmEnergyRebase(MpmModel model);
 */
 PetscErrorCode MpmEnergyAddAffine(MpmModel model, PetscReal by);
 
+/*
+  At the run's start, in the space of its first step: adds the energy of the affine velocities with which bodies turn,
+  where masses are lumped. Collective.
+*/
+PetscErrorCode MpmEnergyOpen(MpmModel model);
+
 /* Rows of the state (base/rows.h). */
 PetscErrorCode MpmEnergyAddRows(MpmModel model);
 /* The account as it stands, J, and momenta, kg m/s and kg m2/s about the origin; equal on all ranks. */

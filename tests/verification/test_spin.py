@@ -30,6 +30,7 @@ def turned(test, label, options, angle=2e-3, energy=1e-2, ranks=1):
     test.near(f"{label}.flight", (mass @ state["position"] / mass.sum() - centre)[0], time, relative=1e-6)
     kinetic = 0.5 * mass.sum() + 0.5 * SPIN**2 * inertia
     test.near(f"{label}.energy", results.column("energy_kinetic")[-1], kinetic, relative=energy)
+    test.check(f"{label}.account", abs(results.column("energy_balance")[0]) / kinetic, None, 1e-3)
     return state["position"]
 
 
