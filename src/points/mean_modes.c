@@ -9,8 +9,8 @@
   a constant would leave volume changes that vary over a cell without any stress. Source: Boffi, Brezzi and Fortin
   (2013), Mixed Finite Element Methods and Applications, 8.6.3, doi:10.1007/978-3-642-36519-5.
 
-  A polynomial to which fewer than two points belong is no mean: a cell has at most half as many as points, and none
-  that lower ones make up at its points.
+  A polynomial to which fewer than two points belong is no mean: a cell takes a degree where two points belong to each
+  polynomial of lower degree and to one of its own. None is taken that others make up at the cell's points.
 */
 #include "points/mean_modes.h"
 #include "grid/grid.h"
@@ -62,19 +62,27 @@ static PetscReal Square(const MpmSpace *space, PetscInt begin, PetscInt end, Pet
   return sum;
 }
 
-/* Makes the monomials at the points of a cell orthonormal; those that are not independent, or too many, are zero. */
-static void Orthonormalise(const MpmSpace *space, PetscInt begin, PetscInt end)
+/*
+  Makes the monomials at the points of a cell orthonormal; those that are not independent are zero, and all those of a
+  degree of which not one has two points to it: a part of a degree would depend on the order of the axes.
+*/
+static void Orthonormalise(const MpmSpace *space, PetscInt dim, PetscInt begin, PetscInt end)
 {
   const MpmCells *cells = &space->cells;
+  PetscBool       room  = PETSC_TRUE;
 
-  for (PetscInt i = 0, kept = 0; i < cells->modes; i++) {
+  for (PetscInt i = 0, kept = 0, degree = 0, behind = 0; i < cells->modes; i++) {
     const PetscReal before = Square(space, begin, end, i);
     PetscReal       after, factor = 0.;
 
+    if (i == behind) { /* another degree */
+      behind = ListMonomials(dim, degree++, NULL);
+      room   = (PetscBool)(!i || 2 * (kept + 1) <= end - begin);
+    }
     for (PetscInt pass = 0; pass < 2; pass++)
       for (PetscInt j = 0; j < i; j++) Remove(space, begin, end, i, j);
     after = Square(space, begin, end, i);
-    if (!i || (2 * (kept + 1) <= end - begin && after > INDEPENDENT * before)) {
+    if (!i || (room && after > INDEPENDENT * before)) {
       factor = 1. / PetscSqrtReal(after);
       kept++;
     }
@@ -129,7 +137,7 @@ PetscErrorCode MpmModesMake(const MpmGrid *grid, const MpmPoints *points, MpmSpa
     const PetscInt end   = space->groups[cells->at[c].group_end - 1].point_end;
 
     ShareCell(points, begin, end, space);
-    if (cells->modes > 1) Orthonormalise(space, begin, end);
+    if (cells->modes > 1) Orthonormalise(space, grid->dim, begin, end);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -14,12 +14,13 @@
 #include "problem/discretization.h"
 #include "solve/line_search.h"
 
-#define FIRST  2   /* iterations in turn before the first attempt on both fields */
-#define MOST   64  /* between two attempts */
-#define FALLS  0.9 /* of the residual in an iteration in turn */
-#define BEYOND 0.5 /* slope at the end of an iteration in turn, of that at its start, of opposite sign */
-#define LEAST  0.1 /* part of a length that the next one is at least */
-#define TRIALS 8   /* lengths of an iteration in turn */
+#define FIRST  2     /* iterations in turn before the first attempt on both fields */
+#define MOST   64    /* between two attempts */
+#define FALLS  0.9   /* of the residual in an iteration in turn */
+#define BEYOND 0.5   /* slope at the end of an iteration in turn, of that at its start, of opposite sign */
+#define LEAST  0.1   /* part of a length that the next one is at least */
+#define TRIALS 8     /* lengths of an iteration in turn */
+#define STANDS 1e-12 /* change of the residual, relative, by iterations in turn that lead nowhere */
 
 void MpmAlternationBegin(MpmSolver *solver, PetscInt it)
 {
@@ -31,7 +32,8 @@ void MpmAlternationBegin(MpmSolver *solver, PetscInt it)
 
 /*
   An iteration in turn is taken as it is, but where it goes beyond the least energy along its way by far: bounds that
-  act at one end and not at the other would otherwise alternate for ever.
+  act at one end and not at the other would otherwise alternate for ever. Where the residual no longer changes
+  nothing is found.
 */
 static PetscErrorCode TakeInTurn(MpmSearch *search, PetscReal start, PetscBool *found)
 {
@@ -53,7 +55,9 @@ static PetscErrorCode TakeInTurn(MpmSearch *search, PetscReal start, PetscBool *
   *found = (PetscBool)!PetscIsInfOrNanReal(search->norm);
   if (!*found) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmFieldsExcess(search->solver, search->W, search->G, &excess));
-  if (--alternation->left <= 0 && excess < FALLS * start) alternation->in_turn = PETSC_FALSE;
+  if (--alternation->left > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (excess < FALLS * start) alternation->in_turn = PETSC_FALSE;
+  else *found = (PetscBool)(PetscAbsReal(excess - start) > STANDS * start);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
