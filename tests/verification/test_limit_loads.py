@@ -201,4 +201,4 @@ with Test() as check:
             largest(check, problem, "load", "gimp_bspline2", grid)
             largest(check, problem, "load", "gimp", grid, 0.3)
             largest(check, problem, "way", "gimp", grid, steps=4.0)
-        largest(check, cut, "load", "gimp_bspline2", 12, steps=4.0, upper=1.06)
+        largest(check, cut, "load", "gimp_bspline2", 20, steps=4.0)
