@@ -27,7 +27,11 @@
 #include "particles/particles.h"
 #include "particles/points.h"
 
-#define DRAWN  1.25 /* by less than this factor an edge has not been drawn out, however long it was at the start */
+/* Edges over this many cells are divided once drawn out by a factor, however long they were at the start. */
+typedef struct {
+  PetscReal longest, drawn;
+} Bound;
+
 #define SKEWED 0.1 /* F is skewed where its determinant is less than this part of the product of its columns' lengths */
 
 /* How often it has been divided. */
@@ -40,7 +44,7 @@ static PetscInt Divisions(const MpmPoints *points, PetscInt dim, PetscInt p)
 }
 
 /* An edge of a point's domain, in cells; 0 where it has hardly been drawn out. */
-static PetscReal DrawnEdge(const MpmGrid *grid, const MpmPoints *points, PetscInt p, PetscInt axis)
+static PetscReal DrawnEdge(const MpmGrid *grid, const MpmPoints *points, PetscInt p, PetscInt axis, PetscReal drawn)
 {
   const PetscInt dim   = grid->dim;
   PetscReal      cells = 0., stretch = 0.;
@@ -51,16 +55,17 @@ static PetscReal DrawnEdge(const MpmGrid *grid, const MpmPoints *points, PetscIn
     stretch += PetscSqr(F);
     cells += PetscSqr(2. * points->domain.half_length[p * dim + axis] * F / grid->h[i]);
   }
-  return stretch > PetscSqr(DRAWN) ? PetscSqrtReal(cells) : 0.;
+  return stretch > PetscSqr(drawn) ? PetscSqrtReal(cells) : 0.;
 }
 
 /* The axis of the longest of the edges that are longer than this, or -1. */
-static PetscInt LongestAxis(const MpmGrid *grid, const MpmPoints *points, PetscInt p, PetscReal longest)
+static PetscInt LongestAxis(const MpmGrid *grid, const MpmPoints *points, PetscInt p, Bound bound)
 {
-  PetscInt axis = -1;
+  PetscReal longest = bound.longest;
+  PetscInt  axis    = -1;
 
   for (PetscInt a = 0; a < grid->dim; a++) {
-    const PetscReal cells = DrawnEdge(grid, points, p, a);
+    const PetscReal cells = DrawnEdge(grid, points, p, a, bound.drawn);
 
     if (!(cells > longest)) continue;
     longest = cells;
@@ -152,7 +157,7 @@ static void Straighten(PetscInt dim, const PetscReal half[], PetscReal F[])
 }
 
 /* Points divided as often as allowed keep their edges at this length. */
-static void CutThreads(const MpmGrid *grid, const MpmMaterial *materials, const MpmPoints *points, PetscReal longest)
+static void CutThreads(const MpmGrid *grid, const MpmMaterial *materials, const MpmPoints *points, Bound bound)
 {
   const PetscInt dim = grid->dim;
 
@@ -160,22 +165,23 @@ static void CutThreads(const MpmGrid *grid, const MpmMaterial *materials, const 
     const PetscBool last = (PetscBool)(Divisions(points, dim, p) >= MPM_DIVISIONS);
     PetscReal      *F    = MpmPointF(points, p);
 
-    if (!last && LongestAxis(grid, points, p, longest) < 0) continue;
+    if (!last && LongestAxis(grid, points, p, bound) < 0) continue;
     if (materials[points->material[p]].info.traits & MPM_LAW_VOLUME && Openness(dim, F) <= SKEWED)
       Straighten(dim, &points->domain.half_length[p * dim], F);
     for (PetscInt a = 0; last && a < dim; a++) {
-      const PetscReal cells = DrawnEdge(grid, points, p, a);
+      const PetscReal cells = DrawnEdge(grid, points, p, a, bound.drawn);
 
-      if (cells > longest) points->domain.half_length[p * dim + a] *= longest / cells;
+      if (cells > bound.longest) points->domain.half_length[p * dim + a] *= bound.longest / cells;
     }
   }
 }
 
 PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, const MpmMaterial *materials,
-                                  PetscReal longest, PetscInt *divided)
+                                  PetscReal longest, PetscReal drawn, PetscInt *divided)
 {
-  MpmPoints points;
-  PetscInt *axis, *index, first;
+  const Bound bound = {longest, drawn};
+  MpmPoints   points;
+  PetscInt   *axis, *index, first;
 
   PetscFunctionBeginUser;
   *divided = 0;
@@ -184,7 +190,7 @@ PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, 
   PetscCall(PetscMalloc2(first, &axis, first, &index));
   for (PetscInt p = 0; p < first; p++) {
     if (Divisions(&points, grid->dim, p) >= MPM_DIVISIONS) continue;
-    axis[*divided] = LongestAxis(grid, &points, p, longest);
+    axis[*divided] = LongestAxis(grid, &points, p, bound);
     if (axis[*divided] >= 0) index[(*divided)++] = p;
   }
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
@@ -195,7 +201,7 @@ PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, 
     MakeHalf(grid, &points, index[k], axis[k], -1.);
     MakeHalf(grid, &points, first + k, axis[k], 1.);
   }
-  CutThreads(grid, materials, &points, longest);
+  CutThreads(grid, materials, &points, bound);
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
   PetscCall(PetscFree2(axis, index));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, divided, 1, MPIU_INT, MPI_SUM, grid->comm));

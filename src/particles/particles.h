@@ -90,11 +90,11 @@ PetscErrorCode MpmParticlesHalve(MpmParticles *particles, PetscInt count, const 
 /* Largest number of divisions of a point; room for its halves in the ids (divide.c). */
 #define MPM_DIVISIONS 5
 /*
-  Divides points whose domains have been drawn out over so many cells, once each, and cuts the domains of those divided
-  as often as allowed; `divided`, over all ranks. Collective.
+  Divides points with an edge over `longest` cells that is `drawn` times as long as at the start, once each, and cuts
+  the domains of those divided as often as allowed; `divided`, over all ranks. Collective.
 */
 PetscErrorCode MpmParticlesDivide(MpmParticles *particles, const MpmGrid *grid, const MpmMaterial *materials,
-                                  PetscReal longest, PetscInt *divided);
+                                  PetscReal longest, PetscReal drawn, PetscInt *divided);
 /* Spare places of the DMSwarm: without any, it reallocates and clears all fields for each point that leaves. */
 #define MPM_PARTICLES_SPARE 16
 /* Moves the partition, not the points, when the fullest rank holds too many and another partition has clearly fewer,

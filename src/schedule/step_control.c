@@ -2,6 +2,7 @@
   How steps follow one another.
 */
 #include "point/material.h"
+#include "grid/shape.h"
 #include "particles/particles.h"
 #include "query/model.h"
 #include "query/query.h"
@@ -82,11 +83,12 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
 
 static PetscErrorCode DividePoints(MpmModel model)
 {
-  PetscInt divided;
+  const PetscReal drawn = MpmShapeOrder(model->scene.shape.type) > 1 ? 1.2 : 1.25;
+  PetscInt        divided;
 
   PetscFunctionBeginUser;
   PetscCall(MpmParticlesDivide(model->state.particles, model->disc.grid, model->scene.materials->at,
-                               model->scene.stabilization.divide, &divided));
+                               model->scene.stabilization.divide, drawn, &divided));
   if (divided) PetscCall(PetscInfo(model->state.particles->swarm, "%" PetscInt_FMT " points are divided\n", divided));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -40,7 +40,7 @@ static PetscErrorCode DivideAll(MpmModel model)
   PetscFunctionBeginUser;
   for (PetscInt k = 0; divided && k < 2 * MPM_DIVISIONS; k++)
     PetscCall(MpmParticlesDivide(model->state.particles, model->disc.grid, model->scene.materials->at,
-                                 model->scene.stabilization.divide, &divided));
+                                 model->scene.stabilization.divide, 1.25, &divided));
   PetscCheck(!divided, PETSC_COMM_SELF, PETSC_ERR_PLIB, "it does not end");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
