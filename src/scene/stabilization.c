@@ -72,8 +72,8 @@ static PetscErrorCode ReadDivide(MpmModel model, const MpmOptions *block)
   PetscCall(MpmOptionsText(block, "divide",
                            "solid without inertia, or with elements of order 2 to 4: a point whose domain has been "
                            "drawn out over more cells than this becomes two, side by side: auto (without a load of "
-                           "type traction: 0.6 where a boundary has contact bilateral, 1.2/(p + 1) with inertia and "
-                           "elements of order p; else off), off, or "
+                           "type traction: 0.6 where a boundary has contact bilateral, 1.2/(p + 1) with elements of "
+                           "order p where nothing flows plastically, or with inertia; else off), off, or "
                            "a number in [0.1, 10] (pipe pulled through clay by its diameter, 2 x 2 points a cell: "
                            "resistance within 4.5 % of its mean with off, 1.6 % with 0.6)",
                            "auto", MPM_OPTIONAL, &divide));
@@ -87,7 +87,12 @@ static PetscErrorCode ReadDivide(MpmModel model, const MpmOptions *block)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define FILLED_ELEMENT 0.9 /* MPM_FILLED of elements of order 2 and more: points must fix a whole polynomial */
+/*
+  MPM_FILLED of elements of order 2, and of more. Without one of the p + 1 rows of points that a polynomial of degree p
+  needs a cell is not well filled; a cubic tears with less than nearly all of them.
+*/
+#define FILLED_2 0.7
+#define FILLED_3 0.9
 
 /* Points of a physics without displacement stand anywhere in whole cells, of which they fill less near the grid's
    edge. */
@@ -96,7 +101,7 @@ static PetscReal DefaultFilled(const MpmModel model)
   const PetscInt order = model->disc.layout->motion ? MpmShapeOrder(model->scene.shape.type) : 1;
 
   if (!model->scene.stabilization.ghost_auto) return 0.;
-  return order > 1 ? FILLED_ELEMENT : MPM_FILLED;
+  return order > 2 ? FILLED_3 : order > 1 ? FILLED_2 : MPM_FILLED;
 }
 
 PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
@@ -125,7 +130,8 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
     &block, "filled", "-",
     "aggregation of small-cut nodes: those of cells (splines of even degree: cells around nodes) that the material "
     "fills to less than this share of the fullest one beside follow well filled ones by extrapolation; 0.35, "
-    "elements of order 2 to 4 0.9; 0: no node does, the default where ghost is not auto (bar pulled by its end "
+    "elements of order 2 0.7, of more 0.9; 0: no node does, the default where ghost is not auto (bar pulled by its "
+    "end "
     "nodes by 8 % of a cell: reaction exact to 0.3 %, 19 % less with 0)",
     MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.stabilization.filled, NULL));
   PetscCall(
@@ -246,25 +252,29 @@ static PetscBool LeavesDilation(const MpmModel model, const MpmMaterial *materia
 
 /*
   Halves have the velocity of the whole, which keeps momentum and energy; water, and affine velocities, are not divided.
-  With inertia nothing holds the modes of an element whose points are too far apart: the material tears.
+  Nothing holds the modes of an element whose points are too far apart against lasting loads: with inertia, and where it
+  does not flow, the material tears.
 */
 static PetscErrorCode SettleDivide(MpmModel model)
 {
   const PetscInt  order   = MpmShapeOrder(model->scene.shape.type);
   const PetscBool dynamic = MpmStagesAreDynamic(model);
   const PetscBool could   = (PetscBool)(model->disc.layout->traits.solid && (!dynamic || order > 1));
-  PetscBool       wants   = (PetscBool)(could && dynamic);
+  PetscBool       drawn   = (PetscBool)(could && order > 1), wants;
 
   PetscFunctionBeginUser;
+  for (PetscInt m = 0; !dynamic && m < model->scene.materials->count; m++)
+    if (model->scene.materials->at[m].info.traits & MPM_LAW_PLASTIC) drawn = PETSC_FALSE;
   MpmCheckInput(could || model->scene.stabilization.divide == 0.,
                 "-mpm_stabilization_divide %g: must be auto or off with %s", (double)model->scene.stabilization.divide,
                 model->disc.layout->traits.solid ? "inertia" : model->scene.physics.name);
+  wants = drawn;
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++)
     if (model->scene.boundaries->at[b].bilateral) wants = could;
   for (PetscInt l = 0; l < model->scene.loads->count; l++)
     if (model->scene.loads->at[l].type == MPM_LOAD_TRACTION) wants = PETSC_FALSE;
   if (wants && model->scene.stabilization.divide_auto)
-    model->scene.stabilization.divide = dynamic ? 1.2 / (PetscReal)(order + 1) : MPM_DIVIDE;
+    model->scene.stabilization.divide = drawn ? 1.2 / (PetscReal)(order + 1) : MPM_DIVIDE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

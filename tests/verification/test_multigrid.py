@@ -124,7 +124,7 @@ def scenes(test):
                                           {"mpm_shape": "gimp_element", "mpm_order": 2})):
         one, other = (test.run(scene, mpm_solver=which, **options) for which in ("direct", solver))
         test.check(f"{name}.newton", np.sum(other.results.column("newton")) / np.sum(one.results.column("newton")), None, 1.5)
-        test.check(f"{name}.iterations", iterations(other), None, 32 if "elements" in name else 25)
+        test.check(f"{name}.iterations", iterations(other), None, 25)
 
 
 def refused(test):
