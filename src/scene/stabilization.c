@@ -87,21 +87,19 @@ static PetscErrorCode ReadDivide(MpmModel model, const MpmOptions *block)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  MPM_FILLED of elements of order 2, and of more. Without one of the p + 1 rows of points that a polynomial of degree p
-  needs a cell is not well filled; a cubic tears with less than nearly all of them.
-*/
-#define FILLED_2 0.7
+/* MPM_FILLED of elements of order 3 and 4: polynomials of degree 3 tear with less than nearly all of their points. */
 #define FILLED_3 0.9
 
-/* Points of a physics without displacement stand anywhere in whole cells, of which they fill less near the grid's
-   edge. */
+/*
+  A polynomial of degree p grows as the p-th power of the distance from the part of a cell that points fill. Points of a
+  physics without displacement stand anywhere in whole cells, of which they fill less near the grid's edge.
+*/
 static PetscReal DefaultFilled(const MpmModel model)
 {
   const PetscInt order = model->disc.layout->motion ? MpmShapeOrder(model->scene.shape.type) : 1;
 
   if (!model->scene.stabilization.ghost_auto) return 0.;
-  return order > 2 ? FILLED_3 : order > 1 ? FILLED_2 : MPM_FILLED;
+  return order > 2 ? FILLED_3 : PetscPowReal(MPM_FILLED, 1. / (PetscReal)order);
 }
 
 PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
@@ -130,9 +128,9 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
     &block, "filled", "-",
     "aggregation of small-cut nodes: those of cells (splines of even degree: cells around nodes) that the material "
     "fills to less than this share of the fullest one beside follow well filled ones by extrapolation; 0.35, "
-    "elements of order 2 0.7, of more 0.9; 0: no node does, the default where ghost is not auto (bar pulled by its "
-    "end "
-    "nodes by 8 % of a cell: reaction exact to 0.3 %, 19 % less with 0)",
+    "elements of order 2 its root, of more 0.9; 0: no node does, the default where ghost is not auto (bar pulled by "
+    "its "
+    "end nodes by 8 % of a cell: reaction exact to 0.3 %, 19 % less with 0)",
     MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.stabilization.filled, NULL));
   PetscCall(
     MpmOptionsReal(&block, "interior", "-",

@@ -81,6 +81,7 @@ PetscErrorCode MpmStep(MpmModel model, PetscReal time, PetscReal dt, PetscBool a
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Elements have p + 1 points a cell, which are too far apart once drawn out by a fifth (stabilization.c). */
 static PetscErrorCode DividePoints(MpmModel model)
 {
   const PetscReal drawn = MpmShapeOrder(model->scene.shape.type) > 1 ? 1.2 : 1.25;

@@ -67,7 +67,7 @@ def motion(test):
     tip = alone.results.column("track_tip_uy")[-1]
     test.near("beam.tip", tip, -2.2207, relative=0.03)  # gimp_bspline2, 48 x 64 cells; gimp on these is 7.5 % off
     test.check("beam.energy", abs(alone.results.column("energy_balance")).max() / 4e4, None, 1e-3)
-    test.near("beam.filled", float(alone.results.option("mpm_stabilization_filled")), 0.7, relative=1e-5)
+    test.near("beam.filled", float(alone.results.option("mpm_stabilization_filled")), 0.35**0.5, relative=1e-5)
     for name, ranks, options in (("ranks", 3, {}), ("restart", 2, {"mpm_restart": f"{alone.prefix}_checkpoint_000015.h5"})):
         other = test.run(scene, ranks=ranks, **{**BEAM, **options})
         test.near(f"beam.{name}", other.results.column("track_tip_uy")[-1], tip, relative=1e-9)
@@ -82,7 +82,7 @@ def drawn(test):
     """A block spreads until its points are half a cell apart: the ghost penalty holds the modes between them."""
     block = {**SECOND, "mpm_grid_cells": "16,8", "mpm_body_block_points_per_cell": "3,3"}
     run = test.run(example("collapse"), **block)
-    test.check("drawn.cuts", run.results.summary["step_cuts"], 0, 1)
+    test.check("drawn.cuts", run.results.summary["step_cuts"], 0, 0)
     test.near("drawn.toe", run.results.column("track_toe_ux")[-1], 5.938, relative=0.03)  # with 6 x 6 points
 
 
@@ -90,7 +90,7 @@ def torn(test):
     """Rubber stretched to twice its length on 3 x 3 points a cell: without division it tears at the wall."""
     run = test.run(example("vibrating_beam"), ranks=3, **{**BEAM, "mpm_grid_cells": "18,24", "mpm_time_end": 2,
                                                           "mpm_body_beam_points_per_cell": "3,3"})
-    test.near("torn.tip", run.results.column("track_tip_uy")[-1], -2.204, relative=0.04)  # gimp_bspline2, 48 x 64 cells
+    test.near("torn.tip", run.results.column("track_tip_uy")[-1], -2.293, relative=0.04)  # gimp_bspline2, 48 x 64 cells, the same step
     test.check("torn.energy", abs(run.results.column("energy_balance")).max() / 7e4, None, 2e-3)
     test.check("torn.points", run.results.summary["points"], 325, 500)
 
