@@ -132,7 +132,7 @@ static PetscErrorCode Fill(MpmModel model, const MpmColumn *column, PetscReal va
   for (PetscInt a = 0; a < 2; a++) *values++ = account->friction[a];
   for (PetscInt a = 0; a < 2; a++) *values++ = account->carried[a];
   *values++ = account->energy;
-  *values   = energy->start - energy->elastic + account->nodes - account->energy - sum[1];
+  *values   = energy->start - energy->elastic + account->nodes - account->energy - account->mixed - sum[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -18,6 +18,7 @@ typedef struct {
 typedef struct {
   PetscReal in, out, eroded, deposited;
   PetscReal energy;                          /* kinetic, lost in the exchange with the bed */
+  PetscReal mixed;                           /* kinetic, lost by lateral friction of the columns */
   PetscReal nodes;                           /* gain of the nodes' kinetic energy in all increments */
   PetscReal bed[2], friction[2], carried[2]; /* momentum by depth and slope; by resistance; with mass but the eroded */
 } MpmEntrainmentAccount;

@@ -100,6 +100,7 @@ static PetscErrorCode AddRows(MpmModel model)
                                    {"eroded", MPM_ROW_REAL, MPM_ROW_STATE, &of->eroded, 0, 0},
                                    {"deposited", MPM_ROW_REAL, MPM_ROW_STATE, &of->deposited, 0, 0},
                                    {"energy", MPM_ROW_REAL, MPM_ROW_STATE, &of->energy, 0, 0},
+                                   {"mixed", MPM_ROW_REAL, MPM_ROW_STATE, &of->mixed, 0, 0},
                                    {"nodes", MPM_ROW_REAL, MPM_ROW_STATE, &of->nodes, 0, 0},
                                    {"bed", MPM_ROW_REAL, MPM_ROW_STATE, of->bed, 2, 0},
                                    {"friction", MPM_ROW_REAL, MPM_ROW_STATE, of->friction, 2, 0},
@@ -142,9 +143,10 @@ PetscErrorCode MpmEntrainmentRead(MpmModel model, const MpmOptions *options)
     PetscCall(MpmEntrainmentDestroy(model));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  of->flow       = model->disc.context.bed;
-  of->dissipated = &model->state.scheme.energy.dissipated;
-  of->time       = &model->state.time;
+  of->flow              = model->disc.context.bed;
+  of->dissipated        = &model->state.scheme.energy.dissipated;
+  of->time              = &model->state.time;
+  of->flow->mixed.apart = &of->account.mixed;
   if (of->erodes || of->deposits) {
     PetscCall(MpmBedChangeCreate(model->disc.grid, bed));
     PetscCall(PetscMalloc1(1, &of->flow->on_bed.shear));

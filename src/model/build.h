@@ -58,6 +58,8 @@ PetscInt MpmOwnParametersSize(MpmModel model);
 PetscBool MpmOriginIsKept(const MpmModel model);
 /* Warns of bodies with fewer points a cell than the shape needs, and of lengths below two cells (coarse_warnings.c). */
 PetscErrorCode MpmModelWarnCoarse(MpmModel model);
+/* Warns of options that change nothing in the run: of implicit steps, of multigrid (unused_words.c). Once set up. */
+PetscErrorCode MpmModelWarnUnused(MpmModel model);
 /* Views the model where -mpm_view says so. */
 PetscErrorCode MpmModelViewFromOptions(MpmModel model);
 /* Refuses bodies that cannot fit into memory, or whose points PETSc cannot count (memory_estimate.c). */

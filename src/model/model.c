@@ -288,6 +288,7 @@ static PetscErrorCode SetUp(MpmModel model)
   }
   PetscCall(MpmRestartApply(model));
   PetscCall(MpmModelWarnCoarse(model));
+  PetscCall(MpmModelWarnUnused(model));
   model->caller.set_up = PETSC_TRUE;
   PetscCall(MpmMonitorEnd(&model->monitor, MPM_TIME_SETUP, since));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -38,7 +38,8 @@ PetscErrorCode MpmTerrainRead(MpmModel model, const MpmOptions *options)
   }
   model->scene.deformation.bed = bed;
   PetscCall(PetscNew(&model->disc.context.bed));
-  model->disc.context.bed->bed = bed;
+  model->disc.context.bed->bed              = bed;
+  model->disc.context.bed->mixed.dissipated = &model->state.scheme.energy.dissipated;
   if (bed->dams.count) PetscCall(PetscCalloc1(bed->dams.count, &model->disc.context.bed->on_bed.dams));
   if (MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   if (bed->outflow) model->disc.grid->outflow = PETSC_TRUE;
@@ -70,12 +71,12 @@ PetscErrorCode MpmTerrainReadParameters(MpmModel model, const MpmOptions *option
       if (!is) continue;
       PetscCheck(law->parameter_count <= MPM_BED_PARAMETERS, options->comm, PETSC_ERR_PLIB, "%s has %zu parameters",
                  law->name, law->parameter_count);
-      PetscCall(PetscRealloc(sizeof(*flow->parameter) * (size_t)(flow->mapped + 1), &flow->parameter));
-      flow->parameter[flow->mapped++] = (MpmBedParameter){m, k, map};
-      map                             = (MpmMap){0};
+      PetscCall(PetscRealloc(sizeof(*flow->by_map.at) * (size_t)(flow->by_map.count + 1), &flow->by_map.at));
+      flow->by_map.at[flow->by_map.count++] = (MpmBedParameter){m, k, map};
+      map                                   = (MpmMap){0};
     }
   }
-  if (flow->mapped) PetscCall(PetscCalloc1(materials->count * MPM_BED_PARAMETERS, &flow->own));
+  if (flow->by_map.count) PetscCall(PetscCalloc1(materials->count * MPM_BED_PARAMETERS, &flow->own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -59,6 +59,10 @@ typedef struct {
   PetscInt material, place;
   MpmMap   map;
 } MpmBedParameter;
+typedef struct {
+  PetscInt         count;
+  MpmBedParameter *at;
+} MpmBedByMap;
 
 /* Flow on the bed at a node: shear stress of the law of the bed, Pa, and speed along the bed, m/s. */
 typedef struct {
@@ -70,6 +74,11 @@ typedef struct {
   MpmBedShear *shear;   /* at the nodes */
   PetscReal (*dams)[3]; /* on each dam of the bed, N (dam_force.c) */
 } MpmBedForces;
+
+/* Sums of the kinetic energy that lateral friction takes, J: the run's dissipation; and apart, NULL: nobody asks. */
+typedef struct {
+  PetscReal *dissipated, *apart;
+} MpmBedMixed;
 
 /* Points, nodes and groups that arrays have room for. */
 typedef struct {
@@ -84,19 +93,19 @@ typedef struct {
 /* Data of the term for a step. */
 #define MPM_BED_PARAMETERS 16 /* most of a law */
 struct MpmBedFlow {
-  const MpmBed    *bed;
-  PetscInt         materials;
-  MpmBedRoom       room;
-  MpmOnBed        *point;
-  MpmBedGentle     gentle;
-  PetscReal       *height; /* of the bed at the local nodes, m */
-  PetscReal       *sums, *shares, *level, *steep, *failed, *force;
-  PetscReal       *friction; /* force of the resistance in the last increment, N, two a node */
-  PetscReal       *drag;     /* of forests at the nodes of the grid (forest.h); NULL: there are none */
-  MpmBedForces     on_bed;
-  PetscInt         mapped; /* parameters by map */
-  MpmBedParameter *parameter;
-  PetscReal       *own; /* [material*MPM_BED_PARAMETERS + place] at a node; NULL: none is by map */
+  const MpmBed *bed;
+  PetscInt      materials;
+  MpmBedRoom    room;
+  MpmOnBed     *point;
+  MpmBedGentle  gentle;
+  PetscReal    *height; /* of the bed at the local nodes, m */
+  PetscReal    *sums, *shares, *level, *steep, *failed, *force;
+  PetscReal    *friction; /* force of the resistance in the last increment, N, two a node */
+  PetscReal    *drag;     /* of forests at the nodes of the grid (forest.h); NULL: there are none */
+  MpmBedForces  on_bed;
+  MpmBedMixed   mixed;
+  MpmBedByMap   by_map;
+  PetscReal    *own; /* [material*MPM_BED_PARAMETERS + place] at a node; NULL: none is by map */
 };
 
 /* Two numbers side by side; a pointer to numbers may be taken for one to pairs. */

@@ -26,8 +26,8 @@ PetscErrorCode MpmBedFlowDestroy(MpmBedFlow **flow)
   if (!*flow) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*flow)->point));
   PetscCall(PetscFree((*flow)->gentle.group));
-  for (PetscInt k = 0; k < (*flow)->mapped; k++) PetscCall(MpmMapDestroy(&(*flow)->parameter[k].map));
-  PetscCall(PetscFree((*flow)->parameter));
+  for (PetscInt k = 0; k < (*flow)->by_map.count; k++) PetscCall(MpmMapDestroy(&(*flow)->by_map.at[k].map));
+  PetscCall(PetscFree((*flow)->by_map.at));
   PetscCall(PetscFree((*flow)->own));
   PetscCall(PetscFree7((*flow)->height, (*flow)->sums, (*flow)->shares, (*flow)->level, (*flow)->steep, (*flow)->failed,
                        (*flow)->force));

@@ -7,10 +7,12 @@
   The drag is K/2 rho |dv|^2 on the side 2 h sqrt(A) of the column. With FLIP dv is the point's velocity less the
   interpolated one of the nodes. APIC has it as affine velocity C, whose mean square in a cell is
   |dv|^2 = sum_ab C_ab^2 h_b^2/6, the mean second moment of linear functions. Momentum stays but for rounding with APIC.
-  The result depends on the number of points, by A, as it does there.
+  The result depends on the number of points, by A, as it does there. The kinetic energy of dv is dissipated.
 
   Source: AvaFrame, theory of com1DFA, artificial viscosity of SAMOS (docs.avaframe.org, subgridMixingFactor, 100).
 */
+#include "point/material.h"
+#include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/lanes.h"
 #include "space/space.h"
@@ -26,48 +28,71 @@ static PetscReal Left(const MpmBedFlow *flow, PetscInt p, PetscReal square, Pets
   return 1. / (1. + flow->bed->viscosity * dt * PetscSqrtReal(square / area));
 }
 
-/* The points of a group, towards the velocities of the nodes; FLIP. */
+/* The points of a group, towards the velocities of the nodes; FLIP. Adds to the kinetic energy that is lost. */
 MPM_INLINE PetscErrorCode ToNodes(const MpmKnown known, const MpmSum *sum, const MpmGroup *group,
-                                  const MpmBedFlow *flow, const Slim velocity[])
+                                  const MpmBedFlow *flow, const Slim velocity[], PetscReal *lost)
 {
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
 
   for (PetscInt s = group->point_begin; s < group->point_end; s++) {
-    const PetscInt p    = sum->space->order[s];
-    PetscReal     *v    = &sum->points->motion.velocity[p * 2], left;
-    const Slim     mean = MpmSlimInterpolate(known, sum, p, NULL, nodes, velocity, NULL);
+    const PetscInt  p    = sum->space->order[s];
+    const PetscReal mass = MpmPointMass(sum->points, sum->materials, p);
+    PetscReal      *v    = &sum->points->motion.velocity[p * 2], left;
+    const Slim      mean = MpmSlimInterpolate(known, sum, p, NULL, nodes, velocity, NULL);
 
     left = Left(flow, p, PetscSqr(v[0] - mean[0]) + PetscSqr(v[1] - mean[1]), sum->step.dt);
-    for (PetscInt a = 0; a < 2; a++) v[a] = mean[a] + left * (v[a] - mean[a]);
+    for (PetscInt a = 0; a < 2; a++) {
+      const PetscReal to = mean[a] + left * (v[a] - mean[a]);
+
+      *lost += 0.5 * mass * (v[a] - to) * (v[a] + to);
+      v[a] = to;
+    }
   }
   return PETSC_SUCCESS;
 }
 
-static void MixAffine(const MpmSum *sum, const MpmBedFlow *flow)
+/* The affine velocities of a group's points. Adds to the kinetic energy that is lost. */
+MPM_INLINE PetscErrorCode Affine(const MpmKnown known, const MpmSum *sum, const MpmGroup *group, const MpmBedFlow *flow,
+                                 PetscReal *lost)
 {
-  for (PetscInt p = 0; p < sum->points->count; p++) {
-    PetscReal *C = &sum->points->motion.affine[p * 4], square = 0., left;
+  PetscInt first[MPM_MAX_DIM];
 
-    for (PetscInt k = 0; k < 4; k++) square += PetscSqr(C[k] * sum->grid->h[k % 2]) / 6.;
+  MpmSpaceGroupAt(sum->space, group, first);
+  for (PetscInt s = group->point_begin; s < group->point_end; s++) {
+    const PetscInt  p    = sum->space->order[s];
+    const PetscReal mass = MpmPointMass(sum->points, sum->materials, p);
+    PetscReal      *C = &sum->points->motion.affine[p * 4], square = 0., energy = 0., left;
+    MpmStencil      at;
+
+    MpmStencilPlace(known, sum, first, p, &at);
+    for (PetscInt k = 0; k < 4; k++) {
+      square += PetscSqr(C[k] * sum->grid->h[k % 2]) / 6.;
+      energy += 0.5 * mass * PetscSqr(C[k]) * at.second[k % 2];
+    }
     left = Left(flow, p, square, sum->step.dt);
+    *lost += energy * (1. - left * left);
     for (PetscInt k = 0; k < 4; k++) C[k] *= left;
   }
+  return PETSC_SUCCESS;
 }
 
 PetscErrorCode MpmBedMix(const MpmBedFlow *flow, const MpmSum *sum, const PetscReal u[])
 {
-  const MpmSpace *space = sum->space;
-  Slim           *velocity;
+  const MpmSpace *space    = sum->space;
+  const PetscBool affine   = (PetscBool)(sum->points->motion.affine != NULL);
+  PetscReal       lost     = 0.;
+  Slim           *velocity = NULL;
 
   PetscFunctionBeginUser;
-  if (sum->points->motion.affine) {
-    MixAffine(sum, flow);
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!affine) PetscCall(PetscMalloc1(space->local, &velocity));
+  for (PetscInt i = 0; i < space->local && !affine; i++) velocity[i] = MpmSlimLoad(2, &u[i * 2]) / sum->step.dt;
+  for (PetscInt g = 0; g < space->group_count; g++) {
+    if (affine) MPM_DISPATCH(sum->layout, &space->groups[g], Affine, sum, &space->groups[g], flow, &lost);
+    else MPM_DISPATCH(sum->layout, &space->groups[g], ToNodes, sum, &space->groups[g], flow, velocity, &lost);
   }
-  PetscCall(PetscMalloc1(space->local, &velocity));
-  for (PetscInt i = 0; i < space->local; i++) velocity[i] = MpmSlimLoad(2, &u[i * 2]) / sum->step.dt;
-  for (PetscInt g = 0; g < space->group_count; g++)
-    MPM_DISPATCH(sum->layout, &space->groups[g], ToNodes, sum, &space->groups[g], flow, velocity);
   PetscCall(PetscFree(velocity));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &lost, 1, MPIU_REAL, MPIU_SUM, sum->grid->comm));
+  *flow->mixed.dissipated += lost;
+  if (flow->mixed.apart) *flow->mixed.apart += lost;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

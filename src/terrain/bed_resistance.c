@@ -82,9 +82,9 @@ static void TakeParameters(const MpmSum *sum, PetscInt node, MpmBedFlow *flow)
   for (PetscInt k = 0; k < flow->materials; k++)
     for (size_t i = 0; i < sum->materials[k].info.parameter_count; i++)
       flow->own[k * MPM_BED_PARAMETERS + (PetscInt)i] = sum->materials[k].parameter[i];
-  for (PetscInt k = 0; k < flow->mapped; k++)
-    flow->own[flow->parameter[k].material * MPM_BED_PARAMETERS + flow->parameter[k].place] =
-      MpmMapAt(&flow->parameter[k].map, x);
+  for (PetscInt k = 0; k < flow->by_map.count; k++)
+    flow->own[flow->by_map.at[k].material * MPM_BED_PARAMETERS + flow->by_map.at[k].place] =
+      MpmMapAt(&flow->by_map.at[k].map, x);
 }
 
 /* n . H n at a node; at an edge of the grid that of the next node inside. */

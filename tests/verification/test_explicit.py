@@ -91,7 +91,11 @@ def stability(test):
 
 def no_matrix(test):
     """PETSc makes no matrix, no nonlinear and no linear solver."""
-    run = test.run(BAR, mpm_quiet=None, log_view=":log.txt", mpm_time_end=0.5)
+    run = test.run(BAR, mpm_quiet=None, log_view=":log.txt", mpm_time_end=0.5, mpm_jacobian="coloring", mpm_solver="auto",
+                   mpm_stabilization_ghost=0.1, mpm_multigrid_levels=3)
+    told = [f"talus: warning: -mpm_{option}: not used, all stages are explicit" for option in
+            ("jacobian coloring", "multigrid_levels 3", "stabilization_ghost 0.1")]
+    test.check("unused", float(run.errors.strip().splitlines() == told), 1, 1)
     made = [line for line in (run.folder / "log.txt").read_text().splitlines()
             if line.strip().startswith(("Matrix ", "SNES ", "Krylov Solver ", "Preconditioner "))]
     test.check("objects", len(made), 0, 0)

@@ -45,7 +45,8 @@ def answers(test):
         run = test.run(BLOCK, mpm_shape=shape, **options, **HMG)
         test.check(f"{shape}.iterations", iterations(run), None, most)
         test.check(f"{shape}.direct", apart(test.run(BLOCK, mpm_shape=shape, mpm_solver="direct"), run), None, 1e-9)
-    direct = test.run(BLOCK, mpm_solver="direct")
+    direct = test.run(BLOCK, mpm_solver="direct", mpm_multigrid_levels=3, mpm_multigrid_smoother="auto")
+    test.check("unused", float(direct.errors.strip() == "talus: warning: -mpm_multigrid_levels 3: not used, -mpm_solver is direct"), 1, 1)
     for name, options in (("levels", {"mpm_multigrid_levels": 3}), ("jacobi", {"mpm_multigrid_smoother": "jacobi"}), ("pbjacobi", {"mpm_multigrid_smoother": "pbjacobi"}),
                           ("gamg", {"mpm_multigrid_coarse": "gamg", "mpm_multigrid_smooths": 2}),
                           ("matfree", {"mpm_jacobian": "matfree", "ksp_rtol": 1e-8}), ("uneven", {"mpm_multigrid_coarsen": 3})):

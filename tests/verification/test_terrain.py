@@ -232,13 +232,20 @@ def mixing(test):
     body = BODY.format(name="left", lower=-2.0, upper=2.0, cell=0.5, depth=1.0).replace("material:", f'velocity: "{u!r},0", material:')
     path.write_text(STRIP.format(slope="vertical", bed=0.0, lower=-2.0, upper=2.0, cell=0.5, material=WATER, names="left", cells=8,
                                  bodies=body, end=end))
-    state = test.run(path, mpm_time_transfer="flip", mpm_terrain_viscosity=k, mpm_bc_west_upper="2,0.5").results.state("last")
+    run = test.run(path, mpm_time_transfer="flip", mpm_terrain_viscosity=k, mpm_bc_west_upper="2,0.5").results
+    state, lost = run.state("last"), run.history["energy_dissipated"][-1]
     speed = u / (1 + k * u * end / 0.125)  # the side of a base: 4 points a cell
     test.check("mixing.flip", float(abs(state["velocity"][:, 0] / speed - 1).max()), 0, 1e-10)
+    test.near("mixing.dissipated", lost, 0.5 * float(state["mass"].sum()) * (u**2 - speed**2), relative=1e-10)
 
     path.write_text(SLIDE)
-    plain, mixed, ranks = (test.run(path, ranks=n, **options).results.state("last") for n, options in
-                           ((1, {}), (1, {"mpm_terrain_viscosity": 100}), (3, {"mpm_terrain_viscosity": 100})))
+    thick = {"mpm_terrain_viscosity": 100, "mpm_erosion_rate": 1e-15}  # the rate for the column energy_transfer alone
+    runs = [test.run(path, ranks=n, **options).results for n, options in ((1, {}), (1, thick), (3, thick))]
+    plain, mixed, ranks = (run.state("last") for run in runs)
+    last = {part: runs[1].history["energy_" + part][-1] for part in ("dissipated", "external", "balance", "transfer")}
+    off = (last["balance"] + last["transfer"]) / last["external"]
+    test.check("mixing.energy", abs(off), 0, 0.01)
+    test.near("mixing.energy_ranks", runs[2].history["energy_dissipated"][-1], last["dissipated"], relative=1e-9)
     test.check("mixing.ranks", float(abs(ranks["position"] - mixed["position"]).max()), 0, 1e-9)
     affine = [float((state["velocity_gradient"] ** 2).sum()) for state in (plain, mixed)]
     test.check("mixing.affine", affine[1] / affine[0], 0.01, 0.9)
