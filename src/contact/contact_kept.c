@@ -247,47 +247,99 @@ static PetscErrorCode ShareParts(const MpmContacts *contacts, PetscInt b, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points of a patch keep its slip while it touches. */
-static PetscErrorCode KeepSlips(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
-                                MpmParticles *particles)
+/* A number of a patch and its answer, which its points keep; false: its points keep none. */
+typedef PetscBool (*PatchNumber)(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer,
+                                 PetscInt axis, PetscReal *value);
+
+/* Slip while it touches: a corner may not touch as its faces do. */
+static PetscBool SlipOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer, PetscInt axis,
+                        PetscReal *value)
+{
+  *value = answer->slip[axis] / MpmContactsGiving(contacts, patch->boundary);
+  return (PetscBool)(answer->active && !MpmPatchFlows(contacts, patch));
+}
+
+static PetscBool PressureOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer,
+                            PetscInt axis, PetscReal *value)
+{
+  (void)contacts;
+  (void)axis;
+  *value = -patch->stiffness * answer->gap;
+  return PETSC_TRUE;
+}
+
+/* Gap of a bilateral boundary. */
+static PetscBool GapOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer, PetscInt axis,
+                       PetscReal *value)
+{
+  (void)contacts;
+  (void)axis;
+  *value = answer->gap + patch->shift;
+  return PETSC_TRUE;
+}
+
+/* Place in a geostatic state. */
+static PetscBool RestOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer, PetscInt axis,
+                        PetscReal *value)
+{
+  (void)answer;
+  (void)axis;
+  *value = patch->rest;
+  return (PetscBool)!MpmPatchFlows(contacts, patch);
+}
+
+/* A source of numbers for the points. */
+typedef struct {
+  const MpmContacts    *contacts;
+  const MpmPatchAnswer *answers; /* of every patch; NULL with RestOf(): unused */
+  PetscInt              points;
+  MpmParticles         *particles;
+} Source;
+
+/* The points of boundary b keep a number of their patches in a field. */
+static PetscErrorCode KeepNumber(const Source *source, PetscInt b, const char *field, PatchNumber number, PetscInt axis)
+{
+  const MpmContacts *contacts = source->contacts;
+  PetscReal         *kept;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetField(source->particles, field, &kept));
+  PetscCall(MpmPointsClear(source->points, kept));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPatch *patch = &contacts->patch[k];
+    PetscReal       value;
+
+    if (patch->boundary != b || !number(contacts, patch, source->answers ? &source->answers[k] : NULL, axis, &value))
+      continue;
+    for (PetscInt f = patch->begin; f < patch->end; f++)
+      if (number != RestOf || !contacts->facets.at[f].piece) Keep(&contacts->facets.at[f], value, kept);
+  }
+  PetscCall(MpmParticlesRestoreField(source->particles, &kept));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Slips, pressures and gaps. */
+static PetscErrorCode KeepNumbers(const Source *source, PetscInt dim)
 {
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
-    for (PetscInt a = 0; contacts->facets.boundaries[b].tangential && a < sum->layout->dim; a++) {
-      PetscReal *slip;
+  for (PetscInt b = 0; b < source->contacts->facets.boundary_count; b++) {
+    const MpmBoundary *boundary = &source->contacts->facets.boundaries[b];
 
-      PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].fields.slip[a], &slip));
-      PetscCall(MpmPointsClear(sum->points->count, slip));
-      for (PetscInt k = 0; k < contacts->patch_count; k++)
-        for (PetscInt f = contacts->patch[k].begin; contacts->patch[k].boundary == b && f < contacts->patch[k].end; f++)
-          if (answers[k].active && !MpmPatchFlows(contacts, &contacts->patch[k]))
-            Keep(&contacts->facets.at[f], answers[k].slip[a] / MpmContactsGiving(contacts, b),
-                 slip); /* a corner may not touch as its faces do */
-      PetscCall(MpmParticlesRestoreField(particles, &slip));
-    }
+    for (PetscInt a = 0; boundary->tangential && a < dim; a++)
+      PetscCall(KeepNumber(source, b, boundary->fields.slip[a], SlipOf, a));
+    if (boundary->augmented) PetscCall(KeepNumber(source, b, boundary->fields.pressure, PressureOf, 0));
+    if (boundary->bilateral) PetscCall(KeepNumber(source, b, boundary->fields.gap, GapOf, 0));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points of a patch keep its pressure. */
-static PetscErrorCode KeepPressures(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
-                                    MpmParticles *particles)
+static PetscErrorCode KeepRest(const Source *source)
 {
   PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
-    const char *field = contacts->facets.boundaries[b].fields.pressure;
-    PetscReal  *pressure;
+  for (PetscInt b = 0; b < source->contacts->facets.boundary_count; b++) {
+    const char *field = source->contacts->facets.boundaries[b].fields.rest;
 
-    if (!contacts->facets.boundaries[b].augmented) continue;
-    PetscCall(MpmParticlesGetField(particles, field, &pressure));
-    PetscCall(MpmPointsClear(sum->points->count, pressure));
-    for (PetscInt k = 0; k < contacts->patch_count; k++) {
-      const MpmPatch *patch = &contacts->patch[k];
-
-      for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
-        Keep(&contacts->facets.at[f], -patch->stiffness * answers[k].gap, pressure);
-    }
-    PetscCall(MpmParticlesRestoreField(particles, &pressure));
+    if (field) PetscCall(KeepNumber(source, b, field, RestOf, 0));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -324,29 +376,6 @@ static PetscErrorCode KeepMeans(const MpmContacts *contacts, const MpmSum *sum, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points of a bilateral patch keep its gap. */
-static PetscErrorCode KeepGaps(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
-                               MpmParticles *particles)
-{
-  PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
-    const char *field = contacts->facets.boundaries[b].fields.gap;
-    PetscReal  *gap;
-
-    if (!contacts->facets.boundaries[b].bilateral) continue;
-    PetscCall(MpmParticlesGetField(particles, field, &gap));
-    PetscCall(MpmPointsClear(sum->points->count, gap));
-    for (PetscInt k = 0; k < contacts->patch_count; k++) {
-      const MpmPatch *patch = &contacts->patch[k];
-
-      for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++)
-        Keep(&contacts->facets.at[f], answers[k].gap + patch->shift, gap);
-    }
-    PetscCall(MpmParticlesRestoreField(particles, &gap));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Points of bilateral boundaries with a tension let go for good where a patch is pulled by more. */
 static PetscErrorCode Break(const MpmContacts *contacts, const MpmPatchAnswer answers[], MpmParticles *particles)
 {
@@ -372,46 +401,26 @@ static PetscErrorCode Break(const MpmContacts *contacts, const MpmPatchAnswer an
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The points of a patch keep its place in a geostatic state. */
-static PetscErrorCode KeepRest(const MpmContacts *contacts, PetscInt points, MpmParticles *particles)
-{
-  PetscReal *rest;
-
-  PetscFunctionBeginUser;
-  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) {
-    if (!contacts->facets.boundaries[b].fields.rest) continue;
-    PetscCall(MpmParticlesGetField(particles, contacts->facets.boundaries[b].fields.rest, &rest));
-    PetscCall(MpmPointsClear(points, rest));
-    for (PetscInt k = 0; k < contacts->patch_count; k++) {
-      const MpmPatch *patch = &contacts->patch[k];
-
-      if (patch->boundary != b || MpmPatchFlows(contacts, patch)) continue;
-      for (PetscInt f = patch->begin; f < patch->end; f++)
-        if (!contacts->facets.at[f].piece) Keep(&contacts->facets.at[f], patch->rest, rest);
-    }
-    PetscCall(MpmParticlesRestoreField(particles, &rest));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmContactsPutBack(const void *ctx, PetscInt points, MpmParticles *particles)
 {
+  const Source source = {(const MpmContacts *)ctx, NULL, points, particles};
+
   PetscFunctionBeginUser;
-  PetscCall(KeepRest((const MpmContacts *)ctx, points, particles));
+  PetscCall(KeepRest(&source));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmContactsKeep(const MpmContacts *contacts, const MpmSum *sum, const MpmPatchAnswer answers[],
                                MpmParticles *particles)
 {
+  const Source source = {contacts, answers, sum->points->count, particles};
+
   PetscFunctionBeginUser;
   if (!contacts->newton.near && contacts->newton.bare && !contacts->face) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) PetscCall(ShareParts(contacts, b, sum, answers));
-  PetscCall(KeepSlips(contacts, sum, answers, particles));
-  PetscCall(KeepPressures(contacts, sum, answers, particles));
+  PetscCall(KeepNumbers(&source, sum->layout->dim));
   PetscCall(KeepMeans(contacts, sum, answers, particles));
-  PetscCall(KeepGaps(contacts, sum, answers, particles));
-  PetscCall(KeepRest(contacts, sum->points->count, particles));
+  PetscCall(KeepRest(&source));
   PetscCall(Break(contacts, answers, particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
