@@ -7,6 +7,8 @@
   region, not merely on its edge. Bodies from files have no region; their points overlap others when, in one cell of the
   grid, the centre of one lies in the domain of the other. Nothing of this depends on the number of ranks. On an edge
   that two bodies with one lattice share, the points are those of the body that is named first.
+
+  Two points of one file in one place are a row that stands there twice: refused, too.
 */
 #include <stdint.h>
 #include "grid/grid.h"
@@ -152,6 +154,24 @@ static void Domain(const Search *search, MpmStretch stretch, PetscInt p, PetscRe
   }
 }
 
+/* True where a file has the body's points one by one, as they stand. */
+static PetscBool HasRows(MpmBody body)
+{
+  return (PetscBool)(MpmBodyIsImported(body) && !MpmBodyHandover(body) && !MpmBodyIsReleased(body));
+}
+
+/* Two points of one cell and one file: notes them where they are in one place. */
+static void SearchTwins(Search *search, PetscInt p, PetscInt q)
+{
+  const PetscInt dim = search->grid->dim;
+
+  for (PetscInt a = 0; a < dim; a++)
+    if (PetscAbsReal(search->points.x[p * dim + a] - search->points.x[q * dim + a]) >
+        MPM_TOLERANCE * search->grid->h[a])
+      return;
+  Found(search, search->points.id[p] < search->points.id[q] ? p : q, search->body_of[p]);
+}
+
 /* Two points of one cell: notes an overlap where the centre of one is in the domain of the other. */
 static void SearchPair(Search *search, MpmStretch stretch, PetscInt p, PetscInt q)
 {
@@ -160,6 +180,10 @@ static void SearchPair(Search *search, MpmStretch stretch, PetscInt p, PetscInt 
   PetscBool      in[2] = {PETSC_TRUE, PETSC_TRUE};
 
   if (!search->meet[one * search->body_count + other]) return;
+  if (one == other) {
+    SearchTwins(search, p, q);
+    return;
+  }
   if (!MpmBodyIsImported(search->bodies[one]) && !MpmBodyIsImported(search->bodies[other])) return;
   Domain(search, stretch, p, half[0]);
   Domain(search, stretch, q, half[1]);
@@ -222,6 +246,8 @@ static PetscErrorCode Refuse(const MpmModel model, Search *search)
   other = (PetscInt)(pair % search->body_count);
   PetscCall(PetscSNPrintf(where, sizeof(where), dim > 2 ? "(%g, %g, %g)" : "(%g, %g)", (double)search->place[0],
                           (double)search->place[1], (double)search->place[2]));
+  MpmCheckInput(one != other, "-mpm_body_%s_file: two of its points stand at %s; each place must be there once",
+                model->scene.bodies->names[one], where);
   MpmCheckInput(PETSC_FALSE,
                 "-mpm_bodies: %s and %s overlap, for example at %s; bodies that are there at the same time must not%s",
                 model->scene.bodies->names[one], model->scene.bodies->names[other], where, Hint(model, one, other));
@@ -241,7 +267,7 @@ PetscErrorCode MpmBodiesCheckOverlap(MpmModel model)
   PetscCall(PetscCalloc1((n * n), &search.meet));
   for (PetscInt b = 0; b < n; b++) {
     for (PetscInt c = 0; c < n; c++) {
-      search.meet[b * n + c] = (PetscBool)(b != c && Meet(model, b, c));
+      search.meet[b * n + c] = b == c ? HasRows(model->scene.bodies->at[b]) : Meet(model, b, c);
       any                    = (PetscBool)(any || search.meet[b * n + c]);
       if (search.meet[b * n + c] && MpmBodyIsImported(model->scene.bodies->at[b])) files = PETSC_TRUE;
     }

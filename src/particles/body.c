@@ -425,6 +425,11 @@ PetscBool MpmBodyIsImported(MpmBody body)
   return (PetscBool)(body->imported || body->release);
 }
 
+PetscBool MpmBodyIsReleased(MpmBody body)
+{
+  return (PetscBool)(body->release != NULL);
+}
+
 MpmRegion MpmBodyRound(MpmBody body)
 {
   return !MpmBodyIsImported(body) && MpmRegionIsRound(body->region) ? body->region : NULL;

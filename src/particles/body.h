@@ -84,6 +84,8 @@ PetscErrorCode MpmBodySetWinners(MpmBody body, PetscInt count, const MpmBody win
 /* The ids of a body's points, [first, end); known once the points have been made. */
 void      MpmBodyGetIds(MpmBody body, PetscInt *first, PetscInt *end);
 PetscBool MpmBodyIsImported(MpmBody body);
+/* True for columns of a map's depth, region raster. */
+PetscBool MpmBodyIsReleased(MpmBody body);
 /* True where its points start with a uniform stress. Their masses are then fields. */
 PetscBool MpmBodyIsStressed(MpmBody body);
 /* The lattice of a body's points: its cells are the points' domains. Not of bodies from files. */

@@ -34,19 +34,19 @@ PetscErrorCode MpmSelectionRead(const MpmOptions *block, const MpmGrid *grid, Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  A candidate for the nearest points: distances that differ by rounding only are equal, and then the smaller id wins.
-*/
+/* A candidate for the nearest points. Lengths in the smallest side of a cell: the distance, then x, y and z. */
 typedef struct {
-  PetscInt64 distance;
-  PetscInt   id, index; /* index: where the point stands on its rank */
+  PetscReal by[1 + MPM_MAX_DIM];
+  PetscInt  id, index; /* index: where the point stands on its rank */
 } Candidate;
 
+/* Lengths that differ by rounding only are equal: of equally near points that with the least x, y, z comes first. */
 static int CompareCandidates(const void *a, const void *b)
 {
   const Candidate *p = (const Candidate *)a, *q = (const Candidate *)b;
 
-  if (p->distance != q->distance) return p->distance < q->distance ? -1 : 1;
+  for (PetscInt k = 0; k < 1 + MPM_MAX_DIM; k++)
+    if (PetscAbsReal(p->by[k] - q->by[k]) > MPM_TOLERANCE) return p->by[k] < q->by[k] ? -1 : 1;
   return p->id < q->id ? -1 : p->id > q->id;
 }
 
@@ -64,11 +64,16 @@ static PetscErrorCode ShareNearest(const MpmSelection *selection, const MpmGrid 
   for (PetscInt a = 1; a < dim; a++) unit = PetscMin(unit, grid->h[a]);
   PetscCall(PetscMalloc1(points->count, &local));
   for (PetscInt p = 0; p < points->count; p++) {
-    PetscReal d2 = 0.;
+    Candidate *one = &local[count];
 
     if (MpmPointIsAir(materials, points, p)) continue;
-    for (PetscInt a = 0; a < dim; a++) d2 += PetscSqr((points->x0[p * dim + a] - selection->at[a]) / unit);
-    local[count++] = (Candidate){(PetscInt64)PetscMin(d2 * 1e9, 9e18), points->id[p], p};
+    *one = (Candidate){.id = points->id[p], .index = p};
+    for (PetscInt a = 0; a < dim; a++) {
+      one->by[1 + a] = (points->x0[p * dim + a] - selection->at[a]) / unit;
+      one->by[0] += PetscSqr(one->by[1 + a]);
+    }
+    one->by[0] = PetscSqrtReal(one->by[0]);
+    count++;
   }
   mine  = PetscMin(nearest, count);
   bytes = (PetscMPIInt)((size_t)mine * sizeof(Candidate));

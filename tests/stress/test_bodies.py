@@ -99,6 +99,17 @@ with Test() as test:
             else:
                 line = f"talus: error: -mpm_bodies: a and b overlap, for example at ({place}"
                 test.check(f"{label}.{ranks}.refused", int(ended.status == 2 and line in ended.errors.replace(".,", ",").replace(".)", ")")), 1, 1)
+    twice = run(test, body("a", "file", file="a.csv"), {"a": lattice(0, 0, 4, 4, 0.5) + "1.25,0.75,0.25\n"}, 3, "a")
+    line = "talus: error: -mpm_body_a_file: two of its points stand at (1.25, 0.75); each place must be there once\n"
+    test.check("row_twice", int(twice.status == 2 and line in twice.errors), 1, 1)
+    head, *rows = lattice(0, 0, 4, 4, 0.5).splitlines(keepends=True)
+    equally = {"mpm_tracks": "t", "mpm_track_t_at": "1,1", "mpm_output_every": "1"}
+    for ranks, order in ((1, rows), (1, rows[::-1]), (3, rows[::-1])):
+        results = run(test, {**body("a", "file", file="a.csv"), **equally}, {"a": "".join([head, *order])}, ranks, "a").results
+        start, end = results.state("first"), results.state("last")
+        lowest = end["displacement"][[list(x) == [0.75, 0.75] for x in start["position0"]]][0]
+        for axis, name in enumerate("xy"):
+            test.near(f"equally_near.{ranks}.{name}", results.history[f"track_t_u{name}"][-1], lowest[axis], relative=1e-12)
     blocks = {**box("a", (0, 0, 1, 1)), **box("b", (1, 0, 2, 1)), **box("c", (3.5, 0, 4, 1)), **box("d", (0, 1, 1, 2)),
               **box("e", (0, 2, 1, 3)), **box("f", (2, 0, 3, 1))}
     for ranks in (1, 3):
