@@ -22,6 +22,17 @@ PetscBool MpmStagesAreGeostatic(const MpmModel model)
   return PETSC_FALSE;
 }
 
+PetscReal MpmGeostaticEnd(const MpmModel model)
+{
+  PetscReal end = 0.;
+
+  for (PetscInt k = 0; k < model->scene.stages.count; k++) {
+    if (model->scene.stages.at[k].geostatic.method == MPM_GEOSTATIC_NONE) return end;
+    end += model->scene.stages.at[k].time.end;
+  }
+  return end;
+}
+
 PetscBool MpmStagesKeepMass(const MpmModel model)
 {
   for (PetscInt k = 0; k < model->scene.stages.count; k++)

@@ -12,6 +12,8 @@ const char *MpmKindText(const MpmModel model);
 /* True where any stage changes a point's weight per stress-free volume. */
 PetscBool MpmStagesKeepMass(const MpmModel model);
 PetscBool MpmStagesAreGeostatic(const MpmModel model);
+/* End of the geostatic stages with which the run begins, s; 0: none. Ramps of displacements count from there. */
+PetscReal MpmGeostaticEnd(const MpmModel model);
 /* True where any stage reduces strengths; relaxes; controls the error in time of its steps; ends at a degree of
    consolidation. */
 PetscBool MpmStagesReduce(const MpmModel model);

@@ -128,33 +128,55 @@ static PetscErrorCode CheckGravity(MpmModel model, const MpmStage *stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Time of a stage's start, and true where it and all stages before it are geostatic. */
+static PetscBool IsLeading(const MpmModel model, const MpmStage *stage, PetscReal *start)
+{
+  PetscBool leading = PETSC_TRUE;
+
+  *start = 0.;
+  for (const MpmStage *other = model->scene.stages.at; other < stage; other++) {
+    *start += other->time.end;
+    leading = (PetscBool)(leading && other->geostatic.method != MPM_GEOSTATIC_NONE);
+  }
+  return leading;
+}
+
 /*
-  A geostatic stage is solved at its end, from the places at its start: boundaries must stand still between the two. A
-  ramp that the scene does not give begins behind the geostatic stages at the run's start.
+  A geostatic stage is solved at its end, from the places at its start: boundaries must stand still between the two. At
+  the run's start a ramp that would move one, and one that the scene does not give, begins behind such stages.
 */
 static PetscErrorCode CheckBoundary(const MpmModel model, const MpmStage *stage, MpmBoundary *boundary)
 {
-  PetscReal start = 0.;
-  PetscBool first = PETSC_TRUE;
-  MpmPose   before, after;
+  const MpmMotion *motion = &boundary->motion;
+  PetscReal        start, end;
+  const PetscBool  leading = IsLeading(model, stage, &start);
 
   PetscFunctionBeginUser;
   MpmCheckInput(
     !boundary->freedom,
     "-mpm_boundary_%s_free: its place is solved for, and the geostatic stage %s is an equilibrium without motion",
     boundary->name, stage->name);
-  for (const MpmStage *other = model->scene.stages.at; other < stage; other++) {
-    start += other->time.end;
-    first = (PetscBool)(first && other->geostatic.method != MPM_GEOSTATIC_NONE);
+  end = start + stage->time.end;
+  for (int pass = 0; pass < 2; pass++) {
+    const MpmPose   before = MpmBoundaryPose(boundary, start), after = MpmBoundaryPose(boundary, end);
+    const PetscBool moves = (PetscBool) !!memcmp(&before, &after, sizeof(after));
+
+    MpmCheckInput(!moves || (!pass && leading && !motion->rows),
+                  "-mpm_boundary_%s_%s: the boundary moves from %g to %g s, in the geostatic stage %s, an equilibrium "
+                  "without motion; %s from the run's start",
+                  boundary->name, motion->rows ? "motion_table" : "ramp", (double)start, (double)end, stage->name,
+                  motion->rows ? "its times count" : "its ramp counts");
+    if (leading && (moves || !motion->given)) boundary->motion.delay = end;
   }
-  if (first && !boundary->motion.given) boundary->motion.delay = start + stage->time.end;
-  before = MpmBoundaryPose(boundary, start);
-  after  = MpmBoundaryPose(boundary, start + stage->time.end);
-  MpmCheckInput(!memcmp(&before, &after, sizeof(after)),
-                "-mpm_boundary_%s_ramp: the boundary moves from %g to %g s, in the geostatic stage %s, an equilibrium "
-                "without motion; its ramp counts from the run's start",
-                boundary->name, (double)start, (double)(start + stage->time.end), stage->name);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A displacement prescribed by a ramp from 0 begins behind geostatic stages at the run's start. */
+static PetscBool StandsStill(const MpmModel model, const MpmStage *stage, MpmRamp ramp)
+{
+  PetscReal start;
+
+  return (PetscBool)(IsLeading(model, stage, &start) && ramp && MpmRampEvaluate(ramp, 0.) == 0.);
 }
 
 PetscErrorCode MpmGeostaticCheck(MpmModel model, const MpmStage *stage)
@@ -167,8 +189,10 @@ PetscErrorCode MpmGeostaticCheck(MpmModel model, const MpmStage *stage)
     const MpmCondition *bc = &model->scene.bcs->at[b];
 
     for (PetscInt k = 0; k < bc->component_count && !bc->absorbing; k++)
-      MpmCheckInput(!stage->bcs[b] || !model->disc.layout->component[bc->component[k]].increment || bc->value[k] == 0.,
-                    "-mpm_bc_%s_value %g: must be 0 in the geostatic stage %s, an equilibrium without motion",
+      MpmCheckInput(!stage->bcs[b] || !model->disc.layout->component[bc->component[k]].increment ||
+                      bc->value[k] == 0. || StandsStill(model, stage, bc->ramp),
+                    "-mpm_bc_%s_value %g: must be 0, or have a ramp from 0, in the geostatic stage %s, an equilibrium "
+                    "without motion",
                     model->scene.bcs->names[b], (double)bc->value[k], stage->name);
   }
   for (PetscInt b = 0; b < model->scene.boundaries->count; b++) {
@@ -177,8 +201,10 @@ PetscErrorCode MpmGeostaticCheck(MpmModel model, const MpmStage *stage)
   }
   for (PetscInt m = 0; m < model->scene.motions->count; m++) {
     for (PetscInt k = 0; k < model->scene.motions->at[m].component_count; k++)
-      MpmCheckInput(!stage->motions[m] || model->scene.motions->at[m].value[k] == 0.,
-                    "-mpm_motion_%s_value %g: must be 0 in the geostatic stage %s, an equilibrium without motion",
+      MpmCheckInput(!stage->motions[m] || model->scene.motions->at[m].value[k] == 0. ||
+                      StandsStill(model, stage, model->scene.motions->at[m].ramp),
+                    "-mpm_motion_%s_value %g: must be 0, or have a ramp from 0, in the geostatic stage %s, an "
+                    "equilibrium without motion",
                     model->scene.motions->names[m], (double)model->scene.motions->at[m].value[k], stage->name);
   }
   if (stage->geostatic.method == MPM_GEOSTATIC_K0) PetscCall(CheckGravity(model, stage));

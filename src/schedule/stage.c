@@ -189,6 +189,12 @@ static PetscBool ActsOn(const MpmModel model, const MpmStage *stage, PetscInt su
   return (PetscBool)(surface >= model->scene.surfaces->named || stage->surfaces[surface]);
 }
 
+/* Start of the ramp of a condition or motion: in geostatic stages at the run's start nothing moves, but behind them. */
+static PetscReal RampStart(const MpmModel model, PetscBool moves)
+{
+  return moves ? PetscMax(model->state.period.start, MpmGeostaticEnd(model)) : model->state.period.start;
+}
+
 /* Conditions, motions, loads and surfaces active from here on, and the walls that follow. */
 static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
 {
@@ -198,7 +204,8 @@ static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
     MpmActing *bc = &model->state.acting.bcs[b];
     PetscInt   walls;
 
-    if (stage->bcs[b] && !bc->active) bc->start = model->state.period.start;
+    if (stage->bcs[b] && !bc->active)
+      bc->start = RampStart(model, MpmConditionMoves(&model->scene.bcs->at[b], model->disc.dim));
     bc->active = stage->bcs[b];
     if (!bc->active) continue;
     PetscCall(MpmConditionGetWalls(&model->scene.bcs->at[b], model->disc.grid,
@@ -209,7 +216,7 @@ static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
   for (PetscInt m = 0; m < model->scene.motions->count; m++) {
     MpmActing *motion = &model->state.acting.bcs[model->scene.bcs->count + m];
 
-    if (stage->motions[m] && !motion->active) motion->start = model->state.period.start;
+    if (stage->motions[m] && !motion->active) motion->start = RampStart(model, PETSC_TRUE);
     motion->active = stage->motions[m];
   }
   for (PetscInt l = 0; l < model->scene.loads->count + model->scene.surfaces->count; l++) {

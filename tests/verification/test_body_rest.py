@@ -50,8 +50,15 @@ def floor(test):
         test.check(f"floor_{label}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
     run = test.run(LEVEL, mpm_stage_hold_time_integrator="explicit", mpm_stage_hold_time_end=0.1, mpm_stage_hold_time_step=1e-3, mpm_material_rock_E=5e7, **layers)
     test.check("floor_explicit.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 1e-5)
-    run = test.run(LEVEL, mpm_boundary_floor_motion="0,1e-3", **layers)  # behind the geostatic stage, without a ramp
-    test.near("floor_lifts", np.mean(run.table("displacement")[:, 1]), 1e-3, relative=1e-5)
+    # a ramp of a displacement, given or not, begins behind the geostatic stage
+    lifts = {"boundary": {"mpm_boundary_floor_motion": "0,1e-3", **layers},
+             "ramp": {"mpm_boundary_floor_motion": "0,1e-3", "mpm_boundary_floor_ramp": "0:0,1:1", **layers},
+             "condition": {"mpm_bc_base_value": "1e-3", "mpm_bc_base_ramp": "0:0,1:1"},
+             "motion": {"mpm_bcs": "west,east", "mpm_motions": "lift", "mpm_motion_lift_body": "bed", "mpm_motion_lift_components": "y",
+                        "mpm_motion_lift_value": "1e-3"}}
+    for label, options in lifts.items():
+        run = test.run(LEVEL, **{"mpm_output_every": 1, **options})
+        test.near(f"floor_lifts.{label}", np.mean(run.table("displacement")[:, 1]), 1e-3, relative=1e-4)
 
 
 def slope(test):
