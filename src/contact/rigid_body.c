@@ -31,8 +31,7 @@ static PetscErrorCode Boxes(void *ctx, const MpmRules *rules, const MpmPoints *p
   (void)points;
   for (PetscInt b = 0; b < contacts->facets.boundary_count; b++)
     if (contacts->facets.bodies[b].freedom)
-      PetscCall(
-        MpmSpaceAppendNodes(space, 2, contacts->facets.bodies[b].freedom->free, &contacts->facets.bodies[b].extra));
+      PetscCall(MpmSpaceAppendNodes(space, 2, contacts->facets.bodies[b].free, &contacts->facets.bodies[b].extra));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -33,6 +33,12 @@ PetscErrorCode MpmRigidCreate(MpmContacts *contacts, MpmPlacement *placements)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* True in a step that ends within geostatic stages at the run's start: the body keeps its place and has no load. */
+static PetscBool StandsStill(const MpmFreedom *freedom, PetscReal time)
+{
+  return (PetscBool)(freedom->still > 0. && time <= freedom->still * (1. + 1e3 * PETSC_MACHINE_EPSILON));
+}
+
 void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const PetscReal gravity[])
 {
   contacts->adrift = -1;
@@ -41,16 +47,18 @@ void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const Pe
     const MpmBoundary *boundary = &contacts->facets.boundaries[b];
 
     if (!body->freedom) continue;
-    const PetscReal factor = MpmRampEvaluate(body->freedom->ramp, time);
+    const PetscBool still  = StandsStill(body->freedom, time);
+    const PetscReal factor = still ? 0. : MpmRampEvaluate(body->freedom->ramp, time - body->freedom->still);
 
     MpmRigidRotation(body->placement->turn, body->Q);
     MpmBoundaryReference(boundary, &contacts->facets.before[b], body->pivot);
     MpmBoundaryReference(boundary, &contacts->facets.after[b], body->travel);
     for (PetscInt a = 0; a < 3; a++) {
       body->travel[a] -= body->pivot[a];
-      body->load[a]   = factor * body->freedom->load[a] + body->freedom->mass * gravity[a];
+      body->load[a]   = factor * body->freedom->load[a] + (still ? 0. : body->freedom->mass * gravity[a]);
       body->moment[a] = factor * body->freedom->moment[a];
     }
+    for (int n = 0; n < 2; n++) body->free[n] = still ? 0 : body->freedom->free[n];
     body->spins = 0;
     body->dt    = body->freedom->mass > 0. ? dt : 0.;
     for (PetscInt k = 0; k < 6; k++)

@@ -48,7 +48,7 @@ typedef struct {
 /* All but these rotations. */
 static void ListComponents(const MpmRigidBody *body, PetscInt spins, Balance *balance)
 {
-  const PetscInt free[2] = {body->freedom->free[0], body->freedom->free[1] & ~spins};
+  const PetscInt free[2] = {body->free[0], body->free[1] & ~spins};
 
   balance->n = 0;
   for (PetscInt k = 0; k < MOST; k++)

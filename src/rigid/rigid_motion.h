@@ -16,6 +16,7 @@ typedef struct MpmFreedom {
   PetscReal size;                                   /* m: a rotation's unknown is the angle times this */
   PetscReal mass, inertia, velocity[MPM_MAX_DIM];   /* kg, kg m2 about any axis; m/s as the scene begins */
   MpmRamp   ramp;
+  PetscReal still; /* end of geostatic stages at the run's start, s: no motion before it, and time 0 of the ramp */
 } MpmFreedom;
 
 /* How far a body has come besides its prescribed motion: x -> c + shift + Q (x - c), c the reference point; Q a
@@ -38,6 +39,7 @@ typedef struct {
 struct MpmRigidBody {
   const MpmFreedom *freedom;    /* NULL: its motion is prescribed, and the members below are unused */
   MpmPlacement     *placement;  /* at the step's start */
+  PetscInt          free[2];    /* a bit for each unknown of the step: of translations, of rotations */
   PetscInt  dim, extra, node;   /* its first extra node, and that one's local number: translation, then rotation */
   PetscReal Q[3][3];            /* the turn at the step's start */
   PetscReal pivot[3];           /* reference point at the step's start by the prescribed motion alone */

@@ -8,6 +8,7 @@
 #include "bc/bc.h"
 #include "bc/body_motion.h"
 #include "rigid/rigid.h"
+#include "rigid/rigid_motion.h"
 #include "loads/load.h"
 #include "query/model.h"
 #include "scene/stage_lists.h"
@@ -143,7 +144,8 @@ static PetscBool IsLeading(const MpmModel model, const MpmStage *stage, PetscRea
 
 /*
   A geostatic stage is solved at its end, from the places at its start: boundaries must stand still between the two. At
-  the run's start a ramp that would move one, and one that the scene does not give, begins behind such stages.
+  the run's start a ramp that would move one, and one that the scene does not give, begins behind such stages; so do the
+  motion and the load of a body whose place is solved for.
 */
 static PetscErrorCode CheckBoundary(const MpmModel model, const MpmStage *stage, MpmBoundary *boundary)
 {
@@ -153,10 +155,11 @@ static PetscErrorCode CheckBoundary(const MpmModel model, const MpmStage *stage,
 
   PetscFunctionBeginUser;
   MpmCheckInput(
-    !boundary->freedom,
+    !boundary->freedom || leading,
     "-mpm_boundary_%s_free: its place is solved for, and the geostatic stage %s is an equilibrium without motion",
     boundary->name, stage->name);
   end = start + stage->time.end;
+  if (boundary->freedom) boundary->freedom->still = end;
   for (int pass = 0; pass < 2; pass++) {
     const MpmPose   before = MpmBoundaryPose(boundary, start), after = MpmBoundaryPose(boundary, end);
     const PetscBool moves = (PetscBool) !!memcmp(&before, &after, sizeof(after));

@@ -61,6 +61,18 @@ def floor(test):
         test.near(f"floor_lifts.{label}", np.mean(run.table("displacement")[:, 1]), 1e-3, relative=1e-4)
 
 
+def plate(test):
+    """A free plate on level ground stands still in the geostatic stage; its load's ramp begins behind it."""
+    soil, rock = (E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)) for E, nu in ((10e6, 0.3), (1e9, 0.2)))
+    settled = 10e3 * (4 / soil + 1 / rock)
+    load = {"mpm_boundaries": "plate", "mpm_boundary_plate_type": "box", "mpm_boundary_plate_lower": "0,5", "mpm_boundary_plate_upper": "3,5.5",
+            "mpm_boundary_plate_free": "y", "mpm_boundary_plate_load": "0,-30e3", "mpm_boundary_plate_mass": 1, "mpm_grid_refine": 2}
+    for label, options in (("k0", {}), ("gravity_on_3", {"ranks": 3, "mpm_stage_rest_geostatic_method": "gravity"})):
+        place = test.run(LEVEL, **load, **options).results.column("position_plate_y")
+        test.check(f"plate_{label}.rests", place[0], 5.25, 5.25)
+        test.near(f"plate_{label}.settles", 5.25 - place[-1], settled, relative=1e-2)
+
+
 def slope(test):
     """A block on a slope that friction holds."""
     run = test.run(INCLINED, **STAGES)
@@ -72,4 +84,5 @@ def slope(test):
 with Test() as check:
     level(check)
     floor(check)
+    plate(check)
     slope(check)
