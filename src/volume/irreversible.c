@@ -21,6 +21,8 @@
 
   whose fixed point has the points' values on average. Without it each step would widen the field a little. Points that
   have dissipated nothing have a value from the start alone, which need not be one of the grid's: it is no bound here.
+  Points with that value have a bound of their own (physics/damage.c). Both would act at once, each or none by
+  rounding, and Newton's iterations would not end: v_p of such points is less by the tolerance.
 */
 #include <string.h>
 #include "point/layout.h"
@@ -79,6 +81,7 @@ PetscErrorCode MpmHeldFieldCreate(const MpmPhysics *physics, PetscInt dim, MpmHe
   (*held)->irreversible = irreversible;
   (*held)->tolerance    = tolerance;
   (*held)->dissipated   = dissipated;
+  (*held)->start        = StatePlace(physics, dim, "damage_start");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -151,9 +154,12 @@ static void TakeValues(const MpmHeldField *held, const MpmSum *sum, PetscReal va
   const PetscInt   dim = sum->space->dim, count = points->count;
 
   for (PetscInt p = 0; p < count; p++) {
-    const PetscBool counts = (PetscBool)(points->physics.own[p * sum->kept.own + held->dissipated] > 0.);
+    const PetscReal *own    = &points->physics.own[p * sum->kept.own];
+    const PetscReal *number = sum->materials[points->material[p]].physics_parameter, v = points->physics.value[p];
+    const PetscBool  counts    = (PetscBool)(own[held->dissipated] > 0.);
+    const PetscBool  own_bound = (PetscBool)(held->start >= 0 && v > 0. && v <= own[held->start]);
 
-    value[p] = counts ? points->physics.value[p] : 0.;
+    value[p] = !counts ? 0. : own_bound ? v - number[held->tolerance] : v;
     for (PetscInt a = 0; a < dim; a++)
       value[count + p * dim + a] = counts ? points->physics.value_gradient[p * dim + a] : 0.;
   }

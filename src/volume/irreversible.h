@@ -13,14 +13,16 @@ extern const MpmTerm MpmTermIrreversible; /* ctx: MpmHeldField */
 typedef struct MpmHeldField {
   PetscInt   irreversible, tolerance;
   PetscInt   dissipated; /* place of the dissipated energy among the physics' own states */
+  PetscInt   start;      /* of a point's own bound, its value at the start; -1: there is none */
   PetscInt   count;      /* of nodes; 0: no material has a bound */
   PetscReal *least;      /* value at the step's start */
   PetscReal *stiffness;  /* of the spring below it, in the field's equation */
 } MpmHeldField;
 
 /*
-  For a physics with the scene's words and numbers `irreversible`, whose first word is that of bounds, and `tolerance`,
-  a state `fracture_energy`, one field with a rate and a factor of the ghost penalty; NULL for others.
+  For a physics with the scene's words and numbers `irreversible`, whose first word is that of bounds, and
+  `tolerance`, states `fracture_energy` and, if any, `damage_start`, one field with a rate and a factor of the ghost
+  penalty; NULL for others.
 */
 PetscErrorCode MpmHeldFieldCreate(const MpmPhysics *physics, PetscInt dim, MpmHeldField **held);
 PetscErrorCode MpmHeldFieldDestroy(MpmHeldField **held);

@@ -56,6 +56,21 @@ SOUND = """mpm:
   output: {every: 0}
   quiet: true
 """
+CARRIED = """mpm:
+  dim: 2
+  physics: damage
+  shape: gimp_bspline2
+  grid: {lower: "0,0", upper: "6,2", cells: "24,8"}
+  materials: rock
+  material_rock: {type: hencky, E: 1e6, nu: 0.3, density: 1, toughness: 1e6, length: 1}
+  bodies: block
+  body_block: {region: box, lower: "0.5,0", upper: "2.5,2", points_per_cell: "2,2", material: rock, initial_damage: 0.3}
+  motions: way
+  motion_way: {body: block, components: "x,y", value: "3,0"}
+  time: {end: 1, step: 0.1}
+  output: {every: 0}
+  quiet: true
+"""
 BAR = """mpm:
   dim: 2
   physics: damage
@@ -164,6 +179,18 @@ def sound(test):
         test.check(f"sound.{name}.newton", float(sum(run.results.column("newton"))), None, 10)
 
 
+def carried(test):
+    """A block with damage from the start that moves as a whole: nothing changes, and a step takes one iteration."""
+    path = test.folder() / "carried.yaml"
+    path.write_text(CARRIED)
+    run = test.run(path, status=None)
+    test.check("carried.status", run.status, 0, 0)
+    history = run.results.history
+    test.check("carried.newton", float(max(history["newton"][1:])), None, 2)
+    test.near("carried.damage", history["damage_max"][-1], 0.3, relative=1e-5)
+    test.near("carried.energy", history["energy_fracture"][-1], 4e6 * 0.5 * 0.3**2, relative=1e-5)
+
+
 def refused(test):
     """Numbers of damage out of their ranges; a warning of a length below two cells."""
     scene, short = example("broken_bar"), {"mpm_time_end": 1, "mpm_output_every": 0}
@@ -219,6 +246,7 @@ with Test() as test:
             test.check(f"blocks.{name}.{column}", apart, None, 1e-5 if name == "staggered" else 1e-8)
         test.check(f"blocks.{name}.iterations", sum(found["linear"]) / sum(found["newton"]), None, 8)  # 4 to 6
     sound(test)
+    carried(test)
     refused(test)
     press = test.run(example("press"), mpm_time_end=0.3, mpm_output_every=0)
     test.check_example("press", press, "press")
