@@ -128,8 +128,8 @@ static PetscErrorCode ReadCorrelation(const MpmOptions *block, MpmEnsemble *ense
   if (!text || !text[0] || MpmOptionsHelp()) PetscFunctionReturn(PetscFree(text));
   MpmCheckInput(ensemble->members > draws, "-mpm_ensemble_members %d: must be more than the draws with correlation",
                 (int)ensemble->members);
-  PetscCall(PetscCalloc1((size_t)draws * (size_t)draws, &ensemble->correlation));
-  for (PetscInt k = 0; k < draws; k++) ensemble->correlation[k * draws + k] = 1.;
+  PetscCall(PetscMalloc1((size_t)draws * (size_t)draws, &ensemble->correlation));
+  for (PetscInt k = 0; k < draws * draws; k++) ensemble->correlation[k] = NAN;
   PetscCall(MpmTextSplit(text, &count, &parts));
   for (PetscInt k = 0; k < count; k++) {
     PetscReal value;
@@ -142,8 +142,13 @@ static PetscErrorCode ReadCorrelation(const MpmOptions *block, MpmEnsemble *ense
     }
     MpmCheckInput(a >= 0 && b >= 0 && a != b && PetscAbsReal(value) < 1.,
                   "-mpm_ensemble_correlation %s: must be A:B:R,..., A and B draws, R a number in (-1, 1)", text);
+    MpmCheckInput(PetscIsNanReal(ensemble->correlation[a * draws + b]),
+                  "-mpm_ensemble_correlation %s: %s and %s are there twice", text, ensemble->names[a],
+                  ensemble->names[b]);
     ensemble->correlation[a * draws + b] = ensemble->correlation[b * draws + a] = value;
   }
+  for (PetscInt k = 0; k < draws * draws; k++)
+    if (PetscIsNanReal(ensemble->correlation[k])) ensemble->correlation[k] = k % (draws + 1) ? 0. : 1.;
   PetscCall(MpmNamesDestroy(count, &parts));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -208,6 +213,21 @@ static PetscErrorCode ReadAsk(const MpmOptions *block, MpmEnsembleAsk *ask)
 
 /* ---- all of it ---- */
 
+/* Refuses two draws of one number: the last would replace the first. */
+static PetscErrorCode CheckApart(const MpmEnsemble *ensemble, PetscInt draw)
+{
+  const MpmSceneParameters *of = &ensemble->draws[draw].of;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < draw; k++)
+    for (PetscInt i = 0; i < ensemble->draws[k].of.count; i++)
+      for (PetscInt j = 0; j < of->count; j++)
+        MpmCheckInput(!MpmSceneParametersMeet(&ensemble->draws[k].of.at[i], &of->at[j]),
+                      "%s %s: draw %s has this number already", ensemble->draws[draw].option, of->at[j].name,
+                      ensemble->draws[k].name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadDraws(MpmModel model, const MpmOptions *block, MpmEnsemble *ensemble)
 {
   PetscFunctionBeginUser;
@@ -217,6 +237,7 @@ static PetscErrorCode ReadDraws(MpmModel model, const MpmOptions *block, MpmEnse
   for (PetscInt k = 0; k < ensemble->draw_count; k++) {
     ensemble->draws[k].name = ensemble->names[k];
     PetscCall(ReadDraw(model, ensemble->names[k], &ensemble->draws[k]));
+    PetscCall(CheckApart(ensemble, k));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

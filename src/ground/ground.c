@@ -193,6 +193,9 @@ PetscErrorCode MpmGroundSetBodies(const MpmGroundOwners *owners, MpmGround *fiel
     PetscBool found = PETSC_FALSE;
 
     for (PetscInt b = 0; b < owners->count; b++) found = (PetscBool)(found || bodies->of[b] == k);
+    for (PetscInt j = 0; j < k; j++)
+      MpmCheckInput(strcmp(field->names[j], field->names[k]), "-mpm_field_%s_by body: has body %s twice", field->name,
+                    field->names[k]);
     MpmCheckInput(found, "-mpm_field_%s_by body: there is no body %s", field->name, field->names[k]);
   }
   MpmCheckInput(field->kind == MPM_GROUND_BODY || points == field->count,

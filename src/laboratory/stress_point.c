@@ -394,9 +394,9 @@ PetscErrorCode MpmStressPointStart(MpmStressPoint *point, const PetscReal stress
 
 /* ---- a step ---- */
 
-/* The unknown strains by Newton's method from those at the step's start, plus `time` times their rate in the last
-   step. */
-static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, MpmOutcome *outcome)
+/* The unknown strains by Newton's method from those at the step's start, plus `time` times `rate`. */
+static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, const PetscReal rate[MPM_SPACE_SYM],
+                            MpmOutcome *outcome)
 {
   PetscScalar         unknown[MPM_SPACE_SYM] = {0.}, *x;
   const PetscScalar  *found;
@@ -412,7 +412,7 @@ static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, MpmOutcome *o
   point->equations.noise = NOISE * PETSC_MACHINE_EPSILON * (largest + point->stiffness);
   PetscCall(VecGetArray(point->equations.x, &x));
   for (PetscInt k = 0; k < point->equations.count && !point->rank; k++)
-    x[k] = point->now.strain[point->equations.unknown[k]] + time * point->rate[point->equations.unknown[k]];
+    x[k] = point->now.strain[point->equations.unknown[k]] + time * rate[point->equations.unknown[k]];
   PetscCall(VecRestoreArray(point->equations.x, &x));
   PetscCall(SNESSolve(point->equations.snes, NULL, point->equations.x));
   PetscCall(SNESGetConvergedReason(point->equations.snes, &reason));
@@ -434,6 +434,32 @@ static PetscErrorCode Solve(MpmStressPoint *point, PetscReal time, MpmOutcome *o
   PetscCall(VecRestoreArrayRead(point->equations.x, &found));
   PetscCallMPI(MPI_Bcast(unknown, MPM_SPACE_SYM, MPIU_SCALAR, 0, point->comm));
   TakeUnknowns(point, unknown, point->next.strain);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool IsUnknown(const MpmStressPoint *point, PetscInt component)
+{
+  for (PetscInt k = 0; k < point->equations.count; k++)
+    if (point->equations.unknown[k] == component) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Unknown strains from three starts: those of the step's start; with the last step's rate, where extrapolated flow is
+   too far for an elastic trial; with flow at constant volume, where the stress is at a corner, without stiffness. */
+static PetscErrorCode SolveFromStarts(MpmStressPoint *point, PetscReal dt, MpmOutcome *outcome)
+{
+  PetscReal flow[MPM_SPACE_SYM] = {0.}, volume = 0.;
+  PetscInt  normals = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(Solve(point, 0., point->rate, outcome));
+  if (outcome->code) PetscCall(Solve(point, dt, point->rate, outcome));
+  if (!outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < point->equations.count; k++) normals += point->equations.unknown[k] < MPM_MAX_DIM;
+  for (PetscInt s = 0; s < MPM_MAX_DIM; s++)
+    if (!IsUnknown(point, s)) volume += point->control.value[s] - point->now.strain[s];
+  for (PetscInt s = 0; s < MPM_MAX_DIM && normals; s++) flow[s] = -volume / (PetscReal)normals;
+  PetscCall(Solve(point, 1., flow, outcome));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -459,8 +485,7 @@ PetscErrorCode MpmStressPointStep(MpmStressPoint *point, const MpmPointControl *
     PetscCall(MpmStrainFromDeformation(point->strain_measure, point->next.F, point->next.strain));
   } else {
     if (!point->equations.count) PetscCall(PetscArraycpy(point->next.strain, control->value, MPM_SPACE_SYM));
-    else PetscCall(Solve(point, 0., outcome));
-    if (outcome->code) PetscCall(Solve(point, dt, outcome)); /* extrapolated flow may be too far for an elastic trial */
+    else PetscCall(SolveFromStarts(point, dt, outcome));
     if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmStretchFromStrain(point->strain_measure, point->next.strain, point->next.F));
   }

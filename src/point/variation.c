@@ -79,8 +79,10 @@ static PetscErrorCode FindLine(PetscInt count, const PetscReal rows[], PetscInt 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rows of x, y, z, value, sorted: a lattice where each of its nodes has one, otherwise scattered places. */
-static PetscErrorCode TakeField(PetscInt count, PetscReal rows[], MpmVariation *variation)
+/* Rows of x, y, z, value, sorted: a lattice where each of its nodes has one, otherwise scattered places. Two rows at
+   one place are a fault. */
+static PetscErrorCode TakeField(PetscInt count, PetscReal rows[], MpmVariation *variation,
+                                char message[MPM_CSV_MESSAGE])
 {
   const size_t row     = MPM_MAX_DIM + 1;
   PetscInt64   product = 1;
@@ -88,6 +90,15 @@ static PetscErrorCode TakeField(PetscInt count, PetscReal rows[], MpmVariation *
 
   PetscFunctionBeginUser;
   qsort(rows, (size_t)count, row * sizeof(*rows), CompareRows);
+  for (PetscInt k = 1; k < count; k++) {
+    const PetscReal *at = &rows[(size_t)k * row];
+    char             x[MPM_NUMBER_TEXT], y[MPM_NUMBER_TEXT];
+
+    if (CompareRows(at, at - row)) continue;
+    MpmRealText(at[0], x);
+    MpmRealText(at[1], y);
+    PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "two rows are at one place: x %s, y %s", x, y));
+  }
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     PetscCall(FindLine(count, rows, a, variation));
     product *= variation->nodes[a];
@@ -154,7 +165,7 @@ static PetscErrorCode TakeFile(const char path[], const MpmParameter *parameter,
     if (!field && k && variation->at[k] < variation->at[k - 1])
       PetscCall(PetscSNPrintf(message, MPM_CSV_MESSAGE, "heights must not decrease"));
   }
-  if (field) PetscCall(TakeField(variation->count, rows, variation));
+  if (field) PetscCall(TakeField(variation->count, rows, variation, message));
   PetscCall(PetscFree(rows));
   PetscCall(MpmCsvTableDestroy(&table));
   PetscFunctionReturn(PETSC_SUCCESS);

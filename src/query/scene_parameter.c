@@ -382,3 +382,18 @@ PetscErrorCode MpmParameterFindOptions(MpmRecord record, const MpmLoads *loads, 
   PetscCall(PetscFree(candidates));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscBool MpmSceneParametersMeet(const MpmSceneParameter *a, const MpmSceneParameter *b)
+{
+  for (PetscInt i = 0; i < a->option_count; i++) {
+    const MpmParameterOption *of = &a->options[i];
+
+    for (PetscInt j = 0; j < b->option_count; j++) {
+      const PetscInt place = b->options[j].place;
+
+      if (!strcmp(of->name, b->options[j].name) && (of->place == place || of->place < 0 || place < 0))
+        return PETSC_TRUE;
+    }
+  }
+  return PETSC_FALSE;
+}

@@ -47,3 +47,6 @@ typedef struct MpmSceneParameters {
 PetscErrorCode MpmParameterFindOptions(MpmRecord record, const MpmLoads *loads, MpmSceneParameter *parameter);
 PetscErrorCode MpmSceneParameterSet(const MpmSceneParameter *parameter, double value);
 PetscErrorCode MpmSceneParameterReset(const MpmSceneParameter *parameter);
+
+/* Whether two parameters are, or are factors of, one number of the scene. */
+PetscBool MpmSceneParametersMeet(const MpmSceneParameter *a, const MpmSceneParameter *b);

@@ -217,6 +217,8 @@ REFUSED = [
     ("deviation", {"mpm_draw_nu_deviation": "0"}, "-mpm_draw_nu_deviation 0: must be > 0"),
     ("block", {"mpm_ensemble_draws": "E,F"}, "-mpm_draw_F_of is missing"),
     ("correlation", {"mpm_ensemble_correlation": "E:F:0.5"}, "-mpm_ensemble_correlation E:F:0.5: must be A:B:R"),
+    ("pair_twice", {"mpm_ensemble_correlation": "E:nu:0.5,nu:E:0.1"}, "nu and E are there twice"),
+    ("one_number", {"mpm_draw_hard_of": "clay.nu,material_clay.E"}, "-mpm_draw_hard_of material_clay.E: draw E has this number"),
     ("no_matrix", {"mpm_ensemble_correlation": "E:nu:0.9,E:hard:0.9,nu:hard:-0.9"}, "not positive definite"),
     ("results", {"mpm_ensemble_results": "stress_y"}, "-mpm_ensemble_results stress_y: the history has no such column"),
     ("thresholds", {"mpm_ensemble_thresholds": "height:1"}, "of depth, speed or pressure"),

@@ -135,6 +135,7 @@ def refusals(test, folder, file, pilot_file):
 
     refuse("hole", "has no value", by="cell", file=write(folder, "hole.csv", cells()[:-1]))
     refuse("twice", "same cell", by="cell", file=write(folder, "twice.csv", cells() + ["0.6,0.7,1e6"]))
+    refuse("body", "has body low twice", by="body", file=write(folder, "body.csv", ["name,value", "low,1e6", "low,2e6", "high,1e6"]))
     refuse("outside", "no cell of the grid", by="cell", file=write(folder, "outside.csv", cells() + ["7,0.5,1e6"]))
     refuse("negative", "the value -1", by="cell", file=write(folder, "negative.csv", cells() + ["3.5,3.5,-1"]))
     refuse("column", "must have a column E or value", by="cell", file=write(folder, "column.csv", ["x,y,F", "1,1,1e6"]))

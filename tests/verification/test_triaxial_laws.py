@@ -33,7 +33,24 @@ def compress(test, name, law, parameters, path, end):
     return last
 
 
+def extend(test):
+    """Softening sand is pulled at constant lateral stress: its tension strength, then both planes of shear, with the strengths of its
+    equivalent plastic strain k. Where one follows the other all three meet, and the point has no stiffness."""
+    soft = {"cohesion": 5e3, "cohesion_residual": 1e3, "friction": 35, "friction_residual": 30, "dilation": 8, "dilation_residual": 0,
+            "softening_strain": 0.05, "tension": 2e3}
+    options = {f"mpm_material_s_{key}": value for key, value in (ELASTIC | soft).items()}
+    run = test.run(SCENE, mpm_quiet=None, mpm_material_s_type="mohr_coulomb", mpm_point_path="triaxial_drained", mpm_point_end=0.02,
+                   mpm_point_measure="kirchhoff", mpm_point_stress="-10e3,-30e3,-10e3,0,0,0", **options)
+    part = run.results.column("equivalent_plastic_strain") / 0.05
+    c, phi = 5e3 - 4e3 * part, np.radians(35 - 5 * part)
+    shear = (2 * c * np.cos(phi) - 1e4 * (1 - np.sin(phi))) / (1 + np.sin(phi))
+    error = np.abs(run.results.column("stress_yy") - np.minimum(0.4 * c, shear))[part > 0]
+    test.check("extension.strength", error.max(), None, 1e-3)
+    test.check("extension.sheared", np.count_nonzero(shear < 0.4 * c), 3, None)
+
+
 with Test() as test:
+    extend(test)
     laws = {path.stem for path in (ROOT / "materials").glob("*.c")}
     test.check("laws", len(laws ^ set(LAWS) ^ FRICTIONAL ^ FLUIDS), 0, 0)
     for path in ("triaxial_drained", "biaxial_drained"):
