@@ -40,6 +40,14 @@ PetscErrorCode MpmTermsTurn(const MpmTerms *terms, const MpmSum *sum, const Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmTermsBear(const MpmTerms *terms, const MpmSum *sum, PetscReal residual[])
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->motion.bear) PetscCall(terms->term[k]->motion.bear(terms->ctx[k], sum, residual));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTermsLimit(const MpmTerms *terms, const MpmSum *sum, const PetscReal mass[], PetscReal dt)
 {
   PetscFunctionBeginUser;

@@ -13,6 +13,7 @@
   take     new velocities and accelerations of these nodes; NULL: unchanged
   kinetic  kinetic energy of the term's own masses, J; the same on all ranks
   turn     a step whose forces balance at `part` of it: corrections by the nodes' velocities v at its start, m/s
+  bear     adds forces of a geostatic state, as a residual: explicit steps find contact at displacements with them
   limit    stiffness bound of an explicit step dt, by the masses of the nodes, kg. Collective
   arrive   displacements in which an explicit step ends, its forces having acted at others; NULL: none
   push     adds forces at the start of an explicit step, N, complete at all local nodes. Collective
@@ -25,6 +26,7 @@ typedef struct MpmTermMotion {
   void (*take)(void *ctx, const PetscReal velocity[], const PetscReal acceleration[]);
   PetscReal (*kinetic)(const void *ctx);
   PetscErrorCode (*turn)(void *ctx, const MpmSum *sum, const PetscReal v[], PetscReal part);
+  PetscErrorCode (*bear)(const void *ctx, const MpmSum *sum, PetscReal residual[]);
   PetscErrorCode (*limit)(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
   void (*arrive)(void *ctx, const PetscReal u[]);
   PetscErrorCode (*push)(void *ctx, const MpmSum *sum, PetscReal force[]);
@@ -49,6 +51,7 @@ void           MpmTermsLend(const MpmTerms *terms, PetscReal mass[], PetscReal v
 void           MpmTermsTake(const MpmTerms *terms, const PetscReal velocity[], const PetscReal acceleration[]);
 PetscReal      MpmTermsKinetic(const MpmTerms *terms);
 PetscErrorCode MpmTermsTurn(const MpmTerms *terms, const MpmSum *sum, const PetscReal v[], PetscReal part);
+PetscErrorCode MpmTermsBear(const MpmTerms *terms, const MpmSum *sum, PetscReal residual[]);
 PetscErrorCode MpmTermsLimit(const MpmTerms *terms, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
 void           MpmTermsArrive(const MpmTerms *terms, const PetscReal u[]);
 PetscErrorCode MpmTermsPush(const MpmTerms *terms, const MpmSum *sum, PetscReal force[]);

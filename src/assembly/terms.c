@@ -113,6 +113,14 @@ PetscErrorCode MpmTermsPutBack(const MpmTerms *terms, PetscInt points, MpmPartic
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmTermsBalance(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < terms->count; k++)
+    if (terms->term[k]->step.balance) PetscCall(terms->term[k]->step.balance(terms->ctx[k], sum, u, particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 unsigned MpmTermsTraits(const MpmTerms *terms)
 {
   unsigned traits = 0;

@@ -64,11 +64,13 @@ typedef struct {
   stage     keeps the first of two sub-steps (sdirk.c), which counts `theta` times in the flow
   commit    keeps the converged step
   put_back  points that return to their places at the step's start, with the stress at its end
+  balance   keeps the forces at u of a stress that is in balance where the points stand; NULL: none
 */
 typedef struct {
   PetscErrorCode (*stage)(void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal theta);
   PetscErrorCode (*commit)(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
   PetscErrorCode (*put_back)(const void *ctx, PetscInt points, MpmParticles *particles);
+  PetscErrorCode (*balance)(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 } MpmTermStepEnd;
 
 /*
@@ -135,6 +137,7 @@ PetscErrorCode MpmTermsLink(const MpmTerms *terms, MpmSpace *space, PetscBool *l
 PetscErrorCode MpmTermsKeepStage(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], PetscReal theta);
 PetscErrorCode MpmTermsCommit(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 PetscErrorCode MpmTermsPutBack(const MpmTerms *terms, PetscInt points, MpmParticles *particles);
+PetscErrorCode MpmTermsBalance(const MpmTerms *terms, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 /* Traits of any term. */
 unsigned MpmTermsTraits(const MpmTerms *terms);
 /* True where contact with all of these traits is near enough to act in this step, on any rank. */

@@ -34,7 +34,8 @@ typedef struct {
   PetscReal     traction[MPM_MAX_DIM]; /* of Newton's last iterate */
   PetscReal     shift; /* depth of the pressure at a gap of 0, m: where augmented, or in a geostatic state */
   PetscReal     mean;  /* pressure in the last steps, Pa, of friction by a law of the bed; or 0 */
-  PetscReal     rest;  /* shift of a geostatic state; once the step has converged, depth of its pressure: m */
+  PetscReal     slips; /* in an explicit step from a geostatic state: slip over the one that points keep; or 0 */
+  PetscReal     rest;  /* pressure of a geostatic state; once the step has converged, its own: Pa */
 } MpmPatch;
 
 /* Treatment of sliding by Newton's method (contact_states.c). */
@@ -80,6 +81,8 @@ typedef struct MpmContacts {
   masses of the local nodes (contact_patch.c).
 */
 PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
+/* Adds the forces of a geostatic state, as a residual (an operation of the term in explicit steps). */
+PetscErrorCode MpmContactsBear(const void *ctx, const MpmSum *sum, PetscReal residual[]);
 /*
   The placement of a boundary whose place is solved for goes on by the step's unknowns u, `block` values a node; that of
   others stays.
@@ -199,9 +202,11 @@ PetscErrorCode MpmContactsKeep(const MpmContacts *contacts, const MpmSum *sum, c
                                MpmParticles *particles);
 /*
   For points returned to their places at the step's start with their stress: patches that touch shall do so there under
-  the pressure of the step. The points keep its depth.
+  the pressure of the step, which the points keep.
 */
 PetscErrorCode MpmContactsPutBack(const void *ctx, PetscInt points, MpmParticles *particles);
+/* The points keep the pressures at u, with which the material is in balance where it stands; NULL: none. */
+PetscErrorCode MpmContactsBalance(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles);
 /*
   Method augmented (contact_augmented.c). Augment: where the largest error of depth over its tolerance is above 1, the
   pressures become those of the patches at u; collective. IsCorrected: true where a patch's depth is corrected: not for

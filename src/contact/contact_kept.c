@@ -138,7 +138,7 @@ static PetscErrorCode LoadPressures(MpmContacts *contacts, MpmParticles *particl
 }
 
 /*
-  Places of patches in a geostatic state, in which the material stands where it was drawn. After a step whose points
+  Pressures of patches in a geostatic state, in which the material stands where it was drawn. After a step whose points
   went back the faces stand as the step has turned them.
 */
 static PetscErrorCode LoadRest(MpmContacts *contacts, const MpmTermStep *step)
@@ -160,8 +160,9 @@ static PetscErrorCode LoadRest(MpmContacts *contacts, const MpmTermStep *step)
         if (!facet->piece) patch->rest += facet->area / patch->area * rest[facet->point];
       }
       patch->shift = 0.;
-      if (step->rules->put_back && patch->rest != 0.) patch->rest += MpmPatchStartGap(contacts, patch);
-      patch->shift = patch->rest;
+      if (step->rules->put_back && patch->rest != 0.)
+        patch->rest += patch->stiffness * MpmPatchStartGap(contacts, patch);
+      patch->shift = patch->rest / patch->stiffness;
     }
     PetscCall(MpmParticlesRestoreField(step->particles, &rest));
   }
@@ -255,7 +256,8 @@ typedef PetscBool (*PatchNumber)(const MpmContacts *contacts, const MpmPatch *pa
 static PetscBool SlipOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer, PetscInt axis,
                         PetscReal *value)
 {
-  *value = answer->slip[axis] / MpmContactsGiving(contacts, patch->boundary);
+  *value =
+    answer->slip[axis] / (MpmContactsGiving(contacts, patch->boundary) * (patch->slips > 0. ? patch->slips : 1.));
   return (PetscBool)(answer->active && !MpmPatchFlows(contacts, patch));
 }
 
@@ -278,7 +280,7 @@ static PetscBool GapOf(const MpmContacts *contacts, const MpmPatch *patch, const
   return PETSC_TRUE;
 }
 
-/* Place in a geostatic state. */
+/* Pressure of a geostatic state. */
 static PetscBool RestOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer, PetscInt axis,
                         PetscReal *value)
 {
@@ -407,6 +409,30 @@ PetscErrorCode MpmContactsPutBack(const void *ctx, PetscInt points, MpmParticles
 
   PetscFunctionBeginUser;
   PetscCall(KeepRest(&source));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmContactsBalance(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
+{
+  MpmContacts    *contacts = (MpmContacts *)ctx;
+  const Source    source   = {contacts, NULL, sum->points->count, particles};
+  MpmPatchAnswer *answers;
+  MpmPatchWork    work;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmPatchWorkCreate(contacts, &work));
+  PetscCall(PetscMalloc1(contacts->patch_count, &answers));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    MpmPatch *patch = &contacts->patch[k];
+
+    answers[k] = (MpmPatchAnswer){.active = PETSC_FALSE};
+    if (u) MpmPatchFrame(contacts, patch)->evaluate(contacts, patch, sum, u, &work, &answers[k]);
+    patch->rest = -patch->stiffness * answers[k].gap;
+  }
+  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++) PetscCall(ShareParts(contacts, b, sum, answers));
+  PetscCall(KeepRest(&source));
+  PetscCall(PetscFree(answers));
+  PetscCall(MpmPatchWorkDestroy(&work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -336,52 +336,49 @@ static PetscBool IsAtRest(const MpmContacts *contacts, const MpmPatch *patch)
   return (PetscBool)(contacts->facets.boundaries[patch->boundary].fields.rest && patch->rest != 0.);
 }
 
-/*
-  Explicit steps find contact at the displacements without it. In a geostatic state these are the fall of the material
-  without its support, behind which the penalty has to give the pressure of that state, with which shifts begin here.
-*/
-static PetscErrorCode ShiftRest(MpmContacts *contacts, const MpmSum *sum, const PetscReal mass[], PetscReal dt)
+PetscErrorCode MpmContactsBear(const void *ctx, const MpmSum *sum, PetscReal residual[])
 {
-  const MpmSpace *space = sum->space;
-  const PetscInt  dim   = space->dim;
-  PetscReal      *fall;
+  const MpmContacts *contacts = (const MpmContacts *)ctx;
+  const PetscInt     dim      = sum->space->dim;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscCalloc1((size_t)(space->local * sum->block), &fall));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     const MpmPatch *patch = &contacts->patch[k];
-
-    for (PetscInt f = patch->begin; IsAtRest(contacts, patch) && f < patch->end; f++)
-      if (!contacts->facets.at[f].piece)
-        MpmFacetAddForce(sum, &space->groups[patch->box], MpmFacetWeights(contacts, f),
-                         patch->shift * contacts->facets.at[f].area, contacts->facets.at[f].normal, fall);
-  }
-  PetscCall(MpmSpaceAddToOwners(space, sum->block, fall));
-  PetscCall(MpmSpaceToGhosts(space, sum->block, fall));
-  for (PetscInt k = 0; k < space->local * sum->block; k++)
-    fall[k] *= mass[k / sum->block] > 0. ? dt * dt / mass[k / sum->block] : 0.;
-  for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    MpmPatch *patch = &contacts->patch[k];
+    MpmPatchAnswer  answer;
 
     if (!IsAtRest(contacts, patch)) continue;
-    patch->shift /= patch->stiffness;
+    answer = (MpmPatchAnswer){.gap = -patch->rest / patch->stiffness};
+    for (PetscInt f = patch->begin; f < patch->end; f++)
+      for (PetscInt a = 0; a < dim; a++)
+        answer.slip[a] += contacts->facets.at[f].area / patch->area * contacts->facets.at[f].slip[a];
+    if (contacts->facets.boundaries[patch->boundary].tangential) Friction(contacts, patch, &answer);
     for (PetscInt f = patch->begin; f < patch->end; f++) {
       const MpmFacet *facet = &contacts->facets.at[f];
-      PetscReal       value[MPM_MAX_DIM];
+      PetscReal       force[MPM_MAX_DIM];
 
-      MpmPatchValue(contacts, sum, patch, f, fall, value);
-      for (PetscInt a = 0; a < dim; a++) patch->shift -= facet->area / patch->area * facet->normal[a] * value[a];
+      if (facet->point < 0) continue;
+      for (PetscInt a = 0; a < dim; a++) force[a] = answer.traction[a];
+      MpmContactAcross(dim, facet->normal, force);
+      for (PetscInt a = 0; a < dim; a++) force[a] = facet->area * (force[a] - patch->rest * facet->normal[a]);
+      MpmFacetAddForce(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), 1., force, residual);
     }
   }
-  PetscCall(PetscFree(fall));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In explicit steps the pressure of a geostatic state acts at no displacement, as does the traction of its slip. */
+static void BeginAtRest(MpmContacts *contacts, MpmPatch *patch, PetscReal along)
+{
+  patch->shift = patch->rest / patch->stiffness;
+  patch->slips = along / (MpmPatchAlong(contacts, patch) * patch->stiffness);
+  for (PetscInt f = patch->begin; f < patch->end; f++)
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) contacts->facets.at[f].slip[a] *= patch->slips;
 }
 
 PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt)
 {
   MpmContacts    *contacts = (MpmContacts *)ctx;
   const PetscReal share    = PetscPowRealInt(0.5, sum->space->dim - 1);
-  PetscBool       rests    = PETSC_FALSE;
 
   PetscFunctionBeginUser;
   contacts->dt = sum->step.dt;
@@ -394,13 +391,12 @@ PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal ma
                                  MpmTurn(sum->points->F_size, contacts->facets.at[patch->begin].place[0])
                                 : patch->area;
 
-    if (IsAtRest(contacts, patch)) patch->shift *= patch->stiffness;
+    const PetscReal along = MpmPatchAlong(contacts, patch) * patch->stiffness;
+
     if (MpmPatchFlows(contacts, patch) || !(area > 0.) || !(inverse > 0.)) continue;
     patch->direct    = PETSC_TRUE;
     patch->stiffness = PetscMin(patch->stiffness, share / (inverse * dt * dt * area));
+    if (IsAtRest(contacts, patch)) BeginAtRest(contacts, patch, along);
   }
-  for (PetscInt b = 0; b < contacts->facets.boundary_count; b++)
-    rests = (PetscBool)(rests || contacts->facets.boundaries[b].fields.rest);
-  if (rests) PetscCall(ShiftRest(contacts, sum, mass, dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -362,7 +362,8 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
   for (PetscInt k = 0; k < contacts->patch_count; k++)
     AddReaction(contacts, &contacts->patch[k], sum, u, &work, &answers[k]);
   PetscCall(MpmContactsKeep(contacts, sum, answers, particles));
-  for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].rest = -answers[k].gap;
+  for (PetscInt k = 0; k < contacts->patch_count; k++)
+    contacts->patch[k].rest = -contacts->patch[k].stiffness * answers[k].gap;
   if (contacts->face) PetscCall(MpmContactsFindFaces(contacts, sum, answers, particles));
   contacts->newton.bare = (PetscBool)!contacts->newton.near;
   PetscCall(PetscFree(answers));
@@ -430,23 +431,24 @@ static void Arrive(void *ctx, const PetscReal u[])
   ((MpmContacts *)ctx)->moved = u;
 }
 
-const MpmTerm MpmTermContact = {.name        = "rigid contact",
-                                .idle        = Idle,
-                                .boxes       = MpmContactsFind,
-                                .prepare     = MpmContactsPrepare,
-                                .residual    = Residual,
-                                .tangent     = Tangent,
-                                .apply       = Apply,
-                                .step        = {.commit = Commit, .put_back = MpmContactsPutBack},
-                                .traits      = Traits,
-                                .near        = Near,
-                                .energy.work = Work,
-                                .newton      = {.begin    = MpmContactsBegin,
-                                                .accepted = MpmContactsFollow,
-                                                .end      = MpmContactsEnd,
-                                                .holds    = Holds,
-                                                .soften   = MpmContactsGive,
-                                                .firmness = Firmness,
-                                                .squares  = AddSquares,
-                                                .augment  = MpmContactsAugment},
-                                .motion      = {.turn = Turn, .limit = MpmContactsLimit, .arrive = Arrive}};
+const MpmTerm MpmTermContact = {
+  .name        = "rigid contact",
+  .idle        = Idle,
+  .boxes       = MpmContactsFind,
+  .prepare     = MpmContactsPrepare,
+  .residual    = Residual,
+  .tangent     = Tangent,
+  .apply       = Apply,
+  .step        = {.commit = Commit, .put_back = MpmContactsPutBack, .balance = MpmContactsBalance},
+  .traits      = Traits,
+  .near        = Near,
+  .energy.work = Work,
+  .newton      = {.begin    = MpmContactsBegin,
+                  .accepted = MpmContactsFollow,
+                  .end      = MpmContactsEnd,
+                  .holds    = Holds,
+                  .soften   = MpmContactsGive,
+                  .firmness = Firmness,
+                  .squares  = AddSquares,
+                  .augment  = MpmContactsAugment},
+  .motion      = {.turn = Turn, .bear = MpmContactsBear, .limit = MpmContactsLimit, .arrive = Arrive}};

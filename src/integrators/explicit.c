@@ -240,6 +240,23 @@ static PetscErrorCode Accelerate(MpmModel model, PetscReal kick, const PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Velocities that forces and contact of a geostatic state give, before contact is found. */
+static PetscErrorCode AccelerateToContact(MpmModel model, PetscReal force[])
+{
+  const PetscInt count = model->disc.space->local * model->disc.dim;
+  PetscReal     *bears = model->state.scheme.dynamics->a_start;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(bears, count));
+  PetscCall(MpmTermsBear(model->disc.terms, model->disc.sum, bears));
+  PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.dim, bears));
+  PetscCall(MpmSpaceToGhosts(model->disc.space, model->disc.dim, bears));
+  for (PetscInt k = 0; k < count; k++) force[k] -= bears[k];
+  PetscCall(Accelerate(model, WholeKick(model), force));
+  for (PetscInt k = 0; k < count; k++) force[k] += bears[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds to `force` the other terms' forces at the displacement that the step would have without them, which stays in
    a_start. */
 static PetscErrorCode AddOthers(MpmModel model, PetscReal force[])
@@ -325,7 +342,7 @@ static PetscErrorCode FindForces(MpmModel model, MpmOutcome *outcome)
   if (outcome->code) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmTermsPush(model->disc.terms, model->disc.sum, force));
   if (HasOthers(model)) {
-    PetscCall(Accelerate(model, WholeKick(model), force));
+    PetscCall(AccelerateToContact(model, force));
     PetscCall(AddOthers(model, force));
   }
   AddGravity(model, model->disc.sum->step.gravity, model->disc.nodal.force);

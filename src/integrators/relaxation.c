@@ -331,6 +331,10 @@ static PetscErrorCode MayRest(MpmModel model, PetscBool *may)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* K_F of rounding, with which material drifts and never swings back, and the steps for which it is to last. */
+#define ROUNDING 1e-10
+#define STEPS    10
+
 /* True where the criteria have been met for long enough. */
 static PetscBool HaveHeld(const MpmModel model)
 {
@@ -343,6 +347,7 @@ static PetscBool HaveHeld(const MpmModel model)
   if (relaxation->damping == MPM_DAMPING_VISCOUS) return (PetscBool)(held >= 2. / relaxation->xi);
   if (relaxation->damping == MPM_DAMPING_LOCAL)
     return (PetscBool)(held >= relaxing->since - (model->state.scheme.rescuing.on ? 0. : model->state.period.start));
+  if (relaxing->force < ROUNDING && held >= STEPS * model->disc.sum->step.dt) return PETSC_TRUE;
   return (PetscBool)(held >= (relaxing->kinetic > 0. ? 4. : 2.) * relaxing->quarter &&
                      (relaxing->quarter > 0. || !(relaxing->kinetic > 0.)));
 }

@@ -245,6 +245,7 @@ static void AddContactFields(const MpmModel model, const char *fields[], PetscIn
 {
   for (PetscInt k = 0; k < model->scene.pairs->count; k++) {
     fields[(*count)++] = model->scene.pairs->at[k].gap_field;
+    if (model->scene.pairs->at[k].rest_field) fields[(*count)++] = model->scene.pairs->at[k].rest_field;
     if (model->scene.pairs->at[k].augmented) fields[(*count)++] = model->scene.pairs->at[k].pressure_field;
     for (PetscInt a = 0; model->scene.pairs->at[k].tangential && a < model->disc.dim; a++)
       fields[(*count)++] = model->scene.pairs->at[k].slip_field[a];

@@ -442,7 +442,7 @@ static PetscErrorCode ReadBodiesOnGrid(MpmModel model, const MpmOptions *options
   PetscCall(MpmRunoutRead(model, options));
   PetscCall(MpmDynamicsRead(model, options));
   if (!MpmOptionsHelp()) PetscCall(MpmVoidsCheck(model));
-  PetscCall(MpmStabilizationSettle(model));
+  PetscCall(MpmStabilizationSettle(model, options));
   PetscCall(ReadOutput(model, options));
   PetscCall(MpmCheckpointSetFromOptions(model, options));
   model->solver.multigrid.levels.shape = model->scene.shape.type;

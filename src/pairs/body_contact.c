@@ -57,14 +57,10 @@ static void AddDirectForce(const MpmPairContacts *contacts, const MpmPairPatch *
   }
 }
 
-/* y_i += w_i force on the first side's nodes, the opposite on the second's */
-static void AddForce(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum,
-                     const PetscReal force[], PetscReal y[])
+/* y_i += w_i force on the first side's nodes, the opposite on the second's, without contribution of turning */
+static void AddPlainForce(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum,
+                          const PetscReal force[], PetscReal y[])
 {
-  if (patch->direct) {
-    AddDirectForce(contacts, patch, sum, force, y);
-    return;
-  }
   for (PetscInt s = 0; s < 2; s++) {
     const MpmGroup  *box    = &sum->space->groups[patch->side[s].box];
     const PetscInt  *nodes  = &sum->space->group_nodes[box->node_offset];
@@ -75,6 +71,29 @@ static void AddForce(const MpmPairContacts *contacts, const MpmPairPatch *patch,
         if (MpmPairActs(patch, sum->space->dim, a))
           y[nodes[i] * sum->block + MpmPairComponent(contacts, a)] += sign * weight[i] * force[a];
   }
+}
+
+/* The share of a force that is one of a geostatic state acts as it does in implicit steps. */
+static void AddForce(const MpmPairContacts *contacts, const MpmPairPatch *patch, const MpmSum *sum,
+                     const PetscReal force[], PetscReal y[])
+{
+  PetscReal rest[MPM_PAIR_ROWS] = {0.}, other[MPM_PAIR_ROWS], size = 0., square = 0.;
+
+  if (!patch->direct) {
+    AddPlainForce(contacts, patch, sum, force, y);
+    return;
+  }
+  MpmPairRestForce(contacts, patch, sum->space->dim, rest);
+  for (PetscInt a = 0; a < sum->space->dim; a++) {
+    size += PetscSqr(rest[a]);
+    square += PetscSqr(force[a]);
+  }
+  for (PetscInt a = 0; a < MPM_PAIR_ROWS; a++) {
+    rest[a]  = square > size ? PetscSqrtReal(size / square) * force[a] : force[a];
+    other[a] = force[a] - rest[a];
+  }
+  if (size > 0.) AddPlainForce(contacts, patch, sum, rest, y);
+  AddDirectForce(contacts, patch, sum, other, y);
 }
 
 /* The residual of a patch at w, as forces on the first side; the water's equation is that of the mass times -1. */
@@ -231,10 +250,10 @@ static void KeepSlip(const MpmPairContacts *contacts, const MpmPairPatch *patch,
 static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], MpmParticles *particles)
 {
   MpmPairContacts *contacts = (MpmPairContacts *)ctx;
-  PetscReal(*slip)[MPM_MAX_DIM];
+  PetscReal       *pressure, (*slip)[MPM_MAX_DIM];
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(contacts->patch_count, &slip));
+  PetscCall(PetscMalloc2(contacts->patch_count, &slip, contacts->patch_count, &pressure));
   PetscCall(PetscArrayzero(contacts->force, contacts->pairs->count));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     PetscReal     w[MPM_PAIR_ROWS];
@@ -245,19 +264,38 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
     if (contacts->moved && answer.active) KeepSlip(contacts, &contacts->patch[k], sum, answer.slip);
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
       slip[k][a] = answer.slip[a] / MpmPairGiving(contacts, &contacts->patch[k]);
+      if (contacts->patch[k].slips > 0.) slip[k][a] /= contacts->patch[k].slips;
       contacts->force[contacts->patch[k].pair][a] += answer.force[a];
     }
     contacts->patch[k].closed = 0.;
+    pressure[k]               = answer.active ? answer.pressure : 0.;
     for (PetscInt a = 0; answer.active && a < sum->space->dim; a++)
       contacts->patch[k].closed += contacts->patch[k].normal[a] * w[a];
     if (contacts->pairs->at[contacts->patch[k].pair].augmented)
       contacts->patch[k].shift = answer.pressure / contacts->patch[k].stiffness;
   }
   if (contacts->newton.near || !contacts->newton.bare) PetscCall(MpmPairPatchesKeep(contacts, slip, particles));
+  for (PetscInt k = 0; k < contacts->patch_count; k++) contacts->patch[k].rest = pressure[k];
   contacts->newton.bare = (PetscBool)!contacts->newton.near;
-  PetscCall(PetscFree(slip));
+  PetscCall(PetscFree2(slip, pressure));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, contacts->force, (PetscMPIInt)(contacts->pairs->count * MPM_MAX_DIM),
                            MPIU_REAL, MPIU_SUM, contacts->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPairsBear(const void *ctx, const MpmSum *sum, PetscReal residual[])
+{
+  const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    PetscReal force[MPM_PAIR_ROWS] = {0.};
+
+    if (contacts->patch[k].rest == 0.) continue;
+    MpmPairRestForce(contacts, &contacts->patch[k], sum->space->dim, force);
+    for (PetscInt a = 0; a < sum->space->dim; a++) force[a] = -force[a];
+    AddPlainForce(contacts, &contacts->patch[k], sum, force, residual);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -317,4 +355,4 @@ const MpmTerm MpmTermBodyContact = {.name           = "body contact",
                                                        .soften   = MpmPairsGive,
                                                        .squares  = MpmPairsAddSquares,
                                                        .augment  = MpmPairsAugment},
-                                    .motion         = {.limit = MpmPairsLimit, .arrive = Arrive}};
+                                    .motion         = {.bear = MpmPairsBear, .limit = MpmPairsLimit, .arrive = Arrive}};

@@ -7,9 +7,10 @@
 
 /* Two bodies that touch, slide and part. */
 typedef struct {
-  char *name, *slip_field[MPM_MAX_DIM], *gap_field,
-    *pressure_field;                     /* fields of the particles; slip: where tangential; pressure: augmented */
-  PetscInt  body[2], part[2];            /* the first one's facets make the patches */
+  char *name, *slip_field[MPM_MAX_DIM], *gap_field, *pressure_field,
+    *rest_field;              /* fields of the particles; slip: where tangential; pressure: augmented; rest: pressure
+                                     of a geostatic state, where the scene has one */
+  PetscInt  body[2], part[2]; /* the first one's facets make the patches */
   PetscReal penalty, friction, adhesion; /* -, Coulomb's coefficient, Pa */
   PetscBool firm, stick, tangential;     /* firm: the penalty holds for all materials */
   PetscBool barrier, augmented;          /* pressure before they touch; without depth */
@@ -46,9 +47,11 @@ typedef struct {
     slip[MPM_MAX_DIM];                       /* at the step's start; the normal is outward of the first body */
   PetscReal    touches, stiffness, strength; /* gap at which it touches, m; Pa/m; Pa */
   PetscReal    closed;                       /* by so much the last step closed the gap where it touches, m */
-  PetscReal    shift;            /* augmented: so deep, m, the penalty gives the pressure that holds it at 0 */
-  PetscBool    direct;           /* in an explicit step: no equations are solved, and sides have levers */
-  PetscBool    held;             /* kept closed for an iteration */
+  PetscReal    shift;  /* augmented: so deep, m, the penalty gives the pressure that holds it at 0 */
+  PetscReal    rest;   /* pressure of a geostatic state; once the step has converged, its own: Pa */
+  PetscReal    slips;  /* in an explicit step from a geostatic state: slip over the one that points keep; or 0 */
+  PetscBool    direct; /* in an explicit step: no equations are solved, and sides have levers */
+  PetscBool    held;   /* kept closed for an iteration */
   PetscReal    way[MPM_MAX_DIM]; /* direction of sliding while kept closed */
   PetscReal    through;          /* water that passes by area, time and difference of pressure, m/(Pa s); 0: none */
   MpmPatchSide side[2];
@@ -99,6 +102,8 @@ struct MpmPairContacts {
 
 /* Reads friction, penalty and method of a pair's block, and whether water passes where there is any. */
 PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, PetscBool water, MpmPair *pair);
+/* For scenes with a geostatic stage: points keep the pressure of its state, for explicit steps. */
+PetscErrorCode MpmPairKeepRest(MpmPair *pair);
 PetscErrorCode MpmPairsDestroy(MpmPairs *pairs);
 /* Pairs and bodies are borrowed. `water`: the unknown that is water's pressure, or -1. */
 PetscErrorCode MpmPairContactsCreate(MPI_Comm comm, const MpmPairs *pairs, const MpmBodies *bodies, PetscInt state_size,
@@ -137,6 +142,8 @@ PetscErrorCode MpmPairsPutBack(const void *ctx, PetscInt points, MpmParticles *p
   nodes, and their forces have no moment (body_impact.c). Collective.
 */
 PetscErrorCode MpmPairsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt);
+/* Adds the forces of a geostatic state, as a residual (an operation of the term in explicit steps). */
+PetscErrorCode MpmPairsBear(const void *ctx, const MpmSum *sum, PetscReal residual[]);
 /* From the mean of a side to node i of its box, m; 3 numbers. */
 void MpmPairArm(const MpmPairPatch *patch, PetscInt s, const MpmSum *sum, PetscInt i, PetscReal arm[]);
 /* Share of a node, by its weight, in a force on a side, 3 numbers, at this arm. */

@@ -23,6 +23,7 @@
 #include "space/sum.h"
 #include "geometry/rotations.h"
 #include "pairs/body_contact.h"
+#include "pairs/body_patch.h"
 
 #define TURNS 0.01 /* of a cell squared: a smaller J says nothing of a turn */
 
@@ -175,6 +176,24 @@ static PetscInt NodeOf(const MpmPairContacts *contacts, const MpmSum *sum, Petsc
   return sum->space->group_nodes[sum->space->groups[contacts->patch[k].side[s].box].node_offset + i];
 }
 
+/*
+  The patch takes its stiffness of explicit steps. The pressure of a geostatic state acts at the depth that it left, and
+  the traction at its slip.
+*/
+static void LimitPatch(const MpmPairContacts *contacts, MpmPairPatch *patch, PetscReal most)
+{
+  const PetscReal depth = contacts->pairs->at[patch->pair].augmented ? 0. : patch->rest / patch->stiffness;
+  const PetscReal along = MpmPairAlong(contacts, patch) * patch->stiffness;
+
+  patch->direct    = PETSC_TRUE;
+  patch->shift     = 0.;
+  patch->stiffness = PetscMin(patch->stiffness, most);
+  if (patch->rest == 0.) return;
+  patch->shift = patch->rest / patch->stiffness - depth;
+  patch->slips = along / (MpmPairAlong(contacts, patch) * patch->stiffness);
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) patch->slip[a] *= patch->slips;
+}
+
 PetscErrorCode MpmPairsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[], PetscReal dt)
 {
   MpmPairContacts *contacts = (MpmPairContacts *)ctx;
@@ -199,10 +218,7 @@ PetscErrorCode MpmPairsLimit(void *ctx, const MpmSum *sum, const PetscReal mass[
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
     MpmPairPatch *patch = &contacts->patch[k];
 
-    patch->direct = PETSC_TRUE;
-    patch->shift  = 0.;
-    if (inverse[k] > 0.)
-      patch->stiffness = PetscMin(patch->stiffness, 1. / (inverse[k] * dt * dt * patch->side[0].area));
+    LimitPatch(contacts, patch, inverse[k] > 0. ? 1. / (inverse[k] * dt * dt * patch->side[0].area) : PETSC_INFINITY);
   }
   PetscCall(PetscFree2(parts, inverse));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -102,6 +102,9 @@ PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
       patch->touches = contacts->starts ? TouchesAtStart(dim, contacts, patch) : mean[k];
       if (step->rules->put_back) patch->touches = mean[k] < 0.5 * UNKNOWN ? patch->gap - mean[k] : 0.;
     }
+    if (pair->rest_field) PetscCall(LoadField(contacts, p, pair->rest_field, dim, step->particles, mean));
+    for (PetscInt k = 0; pair->rest_field && k < contacts->patch_count; k++)
+      if (contacts->patch[k].pair == p) contacts->patch[k].rest = mean[k];
     if (pair->augmented) PetscCall(LoadField(contacts, p, pair->pressure_field, dim, step->particles, mean));
     for (PetscInt k = 0; pair->augmented && k < contacts->patch_count; k++)
       if (contacts->patch[k].pair == p) contacts->patch[k].shift = mean[k] / contacts->patch[k].stiffness;
@@ -133,9 +136,9 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
   for (PetscInt p = 0; p < contacts->pairs->count; p++) {
     const MpmPair *pair = &contacts->pairs->at[p];
 
-    for (PetscInt a = 0; a < MPM_MAX_DIM + 2; a++) { /* the slip, the gap, the pressure */
-      const char *const names[] = {pair->slip_field[0], pair->slip_field[1], pair->slip_field[2], pair->gap_field,
-                                   pair->pressure_field};
+    for (PetscInt a = 0; a < MPM_MAX_DIM + 3; a++) { /* the slip, the gap, the pressures */
+      const char *const names[] = {pair->slip_field[0], pair->slip_field[1],  pair->slip_field[2],
+                                   pair->gap_field,     pair->pressure_field, pair->rest_field};
       const char *const name    = names[a];
       PetscReal        *value;
 
@@ -144,7 +147,8 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
       if (a != MPM_MAX_DIM) PetscCall(MpmPointsClear(points, value));
       for (PetscInt k = 0; k < contacts->patch_count; k++) {
         const MpmPairPatch *patch = &contacts->patch[k];
-        const PetscReal kept[] = {slip[k][0], slip[k][1], slip[k][2], patch->touches, patch->shift * patch->stiffness};
+        const PetscReal kept[] = {slip[k][0], slip[k][1], slip[k][2], patch->touches, patch->shift * patch->stiffness,
+                                  patch->rest};
 
         for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
           value[contacts->facets.at[contacts->facets.list[f]].point] = kept[a];
@@ -155,23 +159,45 @@ PetscErrorCode MpmPairPatchesKeep(const MpmPairContacts *contacts, PetscReal (*s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The points of a patch keep its own number, others `none`. */
+static PetscErrorCode KeepEach(const MpmPairContacts *contacts, PetscInt pair, const char *name, PetscReal none,
+                               PetscReal (*number)(const MpmPairPatch *patch), PetscInt points, MpmParticles *particles)
+{
+  PetscReal *value;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetField(particles, name, &value));
+  for (PetscInt k = 0; k < points; k++) value[k] = none;
+  for (PetscInt k = 0; k < contacts->patch_count; k++) {
+    const MpmPairPatch *patch = &contacts->patch[k];
+
+    for (PetscInt f = patch->side[0].begin; patch->pair == pair && f < patch->side[0].end; f++)
+      value[contacts->facets.at[contacts->facets.list[f]].point] = number(patch);
+  }
+  PetscCall(MpmParticlesRestoreField(particles, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal EndGap(const MpmPairPatch *patch)
+{
+  return patch->gap - patch->touches - patch->closed;
+}
+
+static PetscReal EndPressure(const MpmPairPatch *patch)
+{
+  return patch->rest;
+}
+
 PetscErrorCode MpmPairsPutBack(const void *ctx, PetscInt points, MpmParticles *particles)
 {
   const MpmPairContacts *contacts = (const MpmPairContacts *)ctx;
 
   PetscFunctionBeginUser;
   for (PetscInt p = 0; p < contacts->pairs->count; p++) {
-    PetscReal *value;
+    const MpmPair *pair = &contacts->pairs->at[p];
 
-    PetscCall(MpmParticlesGetField(particles, contacts->pairs->at[p].gap_field, &value));
-    for (PetscInt k = 0; k < points; k++) value[k] = UNKNOWN;
-    for (PetscInt k = 0; k < contacts->patch_count; k++) {
-      const MpmPairPatch *patch = &contacts->patch[k];
-
-      for (PetscInt f = patch->side[0].begin; patch->pair == p && f < patch->side[0].end; f++)
-        value[contacts->facets.at[contacts->facets.list[f]].point] = patch->gap - patch->touches - patch->closed;
-    }
-    PetscCall(MpmParticlesRestoreField(particles, &value));
+    PetscCall(KeepEach(contacts, p, pair->gap_field, UNKNOWN, EndGap, points, particles));
+    if (pair->rest_field) PetscCall(KeepEach(contacts, p, pair->rest_field, 0., EndPressure, points, particles));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

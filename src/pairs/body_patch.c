@@ -51,12 +51,25 @@ PetscReal MpmPairGiving(const MpmPairContacts *contacts, const MpmPairPatch *pat
   return contacts->pairs->at[patch->pair].stick ? 1. : contacts->newton.give;
 }
 
+PetscReal MpmPairAlong(const MpmPairContacts *contacts, const MpmPairPatch *patch)
+{
+  return (patch->direct ? 1. : SLIDING) / MpmPairGiving(contacts, patch);
+}
+
+void MpmPairRestForce(const MpmPairContacts *contacts, const MpmPairPatch *patch, PetscInt dim, PetscReal force[])
+{
+  const PetscReal area = patch->side[0].area, along = MpmPairAlong(contacts, patch) * patch->stiffness;
+
+  for (PetscInt a = 0; a < dim; a++)
+    force[a] = patch->rest > 0. ? -area * (patch->rest * patch->normal[a] + along * patch->slip[a]) : 0.;
+}
+
 void MpmPairEvaluate(const MpmPairContacts *contacts, const MpmPairPatch *patch, PetscInt dim, const PetscReal w[],
                      MpmPairAnswer *answer)
 {
   const MpmPair      *pair = &contacts->pairs->at[patch->pair];
   const MpmContactLaw law  = {.stiffness = patch->stiffness,
-                              .along     = (patch->direct ? 1. : SLIDING) / MpmPairGiving(contacts, patch),
+                              .along     = MpmPairAlong(contacts, patch),
                               .friction  = pair->friction,
                               .adhesion  = pair->adhesion,
                               .strength  = patch->strength,

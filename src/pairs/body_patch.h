@@ -29,6 +29,10 @@ static inline PetscBool MpmPairActs(const MpmPairPatch *patch, PetscInt dim, Pet
   return (PetscBool)(row == MPM_PAIR_WATER ? patch->through > 0. : row < dim);
 }
 
+/* k'/k of a patch. */
+PetscReal MpmPairAlong(const MpmPairContacts *contacts, const MpmPairPatch *patch);
+/* Force of its geostatic state on the first body, N. */
+void MpmPairRestForce(const MpmPairContacts *contacts, const MpmPairPatch *patch, PetscInt dim, PetscReal force[]);
 /* By how much a patch gives. */
 PetscReal MpmPairGiving(const MpmPairContacts *contacts, const MpmPairPatch *patch);
 /* sum_i w_i u_i of the first side less that of the second; MPM_PAIR_ROWS numbers. */

@@ -49,6 +49,17 @@ PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, PetscBool wate
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmPairKeepRest(MpmPair *pair)
+{
+  char field[256];
+
+  PetscFunctionBeginUser;
+  if (pair->barrier || pair->rest_field) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(field, sizeof(field), "rest_%s", pair->name));
+  PetscCall(PetscStrallocpy(field, &pair->rest_field));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmPairsDestroy(MpmPairs *pairs)
 {
   PetscFunctionBeginUser;
@@ -56,6 +67,7 @@ PetscErrorCode MpmPairsDestroy(MpmPairs *pairs)
     PetscCall(PetscFree(pairs->at[k].name));
     PetscCall(PetscFree(pairs->at[k].gap_field));
     PetscCall(PetscFree(pairs->at[k].pressure_field));
+    PetscCall(PetscFree(pairs->at[k].rest_field));
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree(pairs->at[k].slip_field[a]));
   }
   PetscCall(MpmNamesDestroy(pairs->count, &pairs->names));

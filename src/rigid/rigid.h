@@ -13,7 +13,7 @@ typedef struct {
   PetscBool face;              /* the history has the largest pressure and the run-up (contact_face.c) */
   char     *slip[MPM_MAX_DIM]; /* where tangential */
   char     *pressure; /* where augmented; its mean over time where friction is by a law of the bed, or `face` */
-  char     *rest;     /* depth of a geostatic state, where the scene has one and the penalty alone acts */
+  char     *rest;     /* pressure of a geostatic state, where the scene has one and the penalty alone acts */
   char     *gap;      /* where bilateral */
   char     *broken;   /* where it has a tension: 1 where it has let go */
 } MpmBoundaryFields;

@@ -7,6 +7,7 @@
 #include "particles/body.h"
 #include "bc/bc.h"
 #include "bc/body_motion.h"
+#include "pairs/body_contact.h"
 #include "rigid/rigid.h"
 #include "rigid/rigid_motion.h"
 #include "loads/load.h"
@@ -202,6 +203,7 @@ PetscErrorCode MpmGeostaticCheck(MpmModel model, const MpmStage *stage)
     PetscCall(CheckBoundary(model, stage, &model->scene.boundaries->at[b]));
     PetscCall(MpmBoundaryKeepRest(&model->scene.boundaries->at[b]));
   }
+  for (PetscInt p = 0; p < model->scene.pairs->count; p++) PetscCall(MpmPairKeepRest(&model->scene.pairs->at[p]));
   for (PetscInt m = 0; m < model->scene.motions->count; m++) {
     for (PetscInt k = 0; k < model->scene.motions->at[m].component_count; k++)
       MpmCheckInput(!stage->motions[m] || model->scene.motions->at[m].value[k] == 0. ||

@@ -33,5 +33,5 @@ PetscErrorCode MpmInPlaceCheck(MpmModel model);
   bodies, conditions and stages are known.
 */
 PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options);
-PetscErrorCode MpmStabilizationSettle(MpmModel model);
+PetscErrorCode MpmStabilizationSettle(MpmModel model, const MpmOptions *options);
 PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char text[]);

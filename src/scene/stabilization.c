@@ -92,14 +92,35 @@ static PetscErrorCode ReadDivide(MpmModel model, const MpmOptions *block)
 
 /*
   A polynomial of degree p grows as the p-th power of the distance from the part of a cell that points fill. Points of a
-  physics without displacement stand anywhere in whole cells, of which they fill less near the grid's edge.
+  physics without displacement stand anywhere in whole cells, of which they fill less near the grid's edge. Splines of
+  degree 2 have a node beyond a surface on a row of nodes, where F-bar leaves the half of a span, and two nodes, one
+  volume change: without cohesion no stress there is in balance.
 */
 static PetscReal DefaultFilled(const MpmModel model)
 {
-  const PetscInt order = model->disc.layout->motion ? MpmShapeOrder(model->scene.shape.type) : 1;
+  const MpmShapeType shape = model->scene.shape.type;
+  PetscInt           order = MpmShapeOrder(shape);
 
   if (!model->scene.stabilization.ghost_auto) return 0.;
+  if (!model->disc.layout->motion) order = 1;
+  else if (model->scene.stabilization.fbar && MpmShapeDegree(shape) == 2) order = 2;
   return order > 2 ? FILLED_3 : PetscPowReal(MPM_FILLED, 1. / (PetscReal)order);
+}
+
+/* Read again once F-bar is settled, for its default. */
+static PetscErrorCode ReadFilled(MpmModel model, const MpmOptions *block)
+{
+  PetscFunctionBeginUser;
+  model->scene.stabilization.filled = DefaultFilled(model);
+  PetscCall(MpmOptionsReal(
+    block, "filled", "-",
+    "aggregation of small-cut nodes: those of cells (splines of even degree: cells around nodes) that the material "
+    "fills to less than this share of the fullest one beside follow well filled ones by extrapolation; 0.35, "
+    "elements of order 2 and splines of degree 2 with F-bar its root, elements of more 0.9; 0: no node does, the "
+    "default where ghost is not auto (bar pulled by its end nodes by 8 % of a cell: reaction exact to 0.3 %, 19 % less "
+    "with 0)",
+    MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.stabilization.filled, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
@@ -123,15 +144,7 @@ PetscErrorCode MpmStabilizationRead(MpmModel model, const MpmOptions *options)
                   "-mpm_stabilization_ghost %s: must be auto, off or a factor >= 0", ghost);
   }
   PetscCall(PetscFree(ghost));
-  model->scene.stabilization.filled = DefaultFilled(model);
-  PetscCall(MpmOptionsReal(
-    &block, "filled", "-",
-    "aggregation of small-cut nodes: those of cells (splines of even degree: cells around nodes) that the material "
-    "fills to less than this share of the fullest one beside follow well filled ones by extrapolation; 0.35, "
-    "elements of order 2 its root, of more 0.9; 0: no node does, the default where ghost is not auto (bar pulled by "
-    "its "
-    "end nodes by 8 % of a cell: reaction exact to 0.3 %, 19 % less with 0)",
-    MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.stabilization.filled, NULL));
+  PetscCall(ReadFilled(model, &block));
   PetscCall(
     MpmOptionsReal(&block, "interior", "-",
                    "penalty like ghost on the displacement over all faces between cells, times Young's modulus: "
@@ -276,8 +289,9 @@ static PetscErrorCode SettleDivide(MpmModel model)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStabilizationSettle(MpmModel model)
+PetscErrorCode MpmStabilizationSettle(MpmModel model, const MpmOptions *options)
 {
+  const MpmOptions block   = {options->comm, "mpm_stabilization_", options->record};
   const MpmPhysics physics = model->scene.physics;
   PetscBool        found;
 
@@ -296,6 +310,7 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model)
                 "-mpm_stabilization_fbar spread: must be auto, true, false or plain with -mpm_shape %s, whose points "
                 "have no domains",
                 MpmShapeName(model->scene.shape.type));
+  PetscCall(ReadFilled(model, &block));
   if (!model->scene.stabilization.fbar) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmPhysicsCreate(physics.fbar, &model->scene.physics, &found));
   PetscCheck(found, model->comm, PETSC_ERR_PLIB, "physics %s is not compiled in", physics.fbar);

@@ -20,6 +20,7 @@
 #include "particles/point_mass.h"
 #include "particles/points.h"
 #include "space/sum.h"
+#include "assembly/terms.h"
 #include "loads/body_surface.h"
 #include "loads/load.h"
 #include "loads/water_table.h"
@@ -432,6 +433,8 @@ static PetscErrorCode SolveBalance(Balance *balance, PetscBool *solved)
   }
   *solved = (PetscBool)(!outcome.code && reason > 0);
   if (*solved) PetscCall(TakeStress(balance));
+  PetscCall(MpmTermsBalance(model->disc.terms, model->disc.sum, *solved && balance->level ? model->disc.nodal.u : NULL,
+                            model->state.particles));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, model->disc.points));
   model->state.scheme.put_back = put_back;
   MpmModelExchange(model, &balance->problem);

@@ -29,6 +29,12 @@ def level(test):
         test.check(f"level_{label}.newton", np.max(run.newton[1:]), None, 1)
     for label in ("on_2", "on_3"):
         test.check(f"level_{label}.same", difference(runs["gravity"].table("stress"), runs[label].table("stress")), None, 1e-9)
+    for label, options in (("sticks", {}), ("k0_on_3", {"ranks": 3, "mpm_stage_rest_geostatic_method": "k0", "mpm_stage_rest_geostatic_k0": 0.5}),
+                           ("augmented", {"mpm_contact_ab_method": "augmented"})):  # explicit steps, whose penalties are soft
+        run = test.run(BLOCK, mpm_stage_hold_time_integrator="explicit", mpm_stage_hold_time_end=0.05, mpm_stage_hold_time_step=5e-4,
+                       mpm_material_rock_E=5e7, **options)
+        test.check(f"explicit_{label}.force", difference(run.results.column("force_ab_y"), WEIGHT), None, 1e-9)
+        test.check(f"explicit_{label}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
     for ranks, step in ((1, 1), (2, 1)):
         run = test.run(BLOCK, ranks=ranks, mpm_restart=runs["gravity"].folder / f"rest_checkpoint_{step:06d}.h5")
         test.check(f"level_again_on_{ranks}.same", difference(runs["gravity"].table("stress"), run.table("stress")), None, 1e-10)
@@ -49,7 +55,7 @@ def floor(test):
         test.check(f"floor_{label}.force", difference(force[-1], force[0]), None, 1e-6)
         test.check(f"floor_{label}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
     run = test.run(LEVEL, mpm_stage_hold_time_integrator="explicit", mpm_stage_hold_time_end=0.1, mpm_stage_hold_time_step=1e-3, mpm_material_rock_E=5e7, **layers)
-    test.check("floor_explicit.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 1e-5)
+    test.check("floor_explicit.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
     # a ramp of a displacement, given or not, begins behind the geostatic stage
     lifts = {"boundary": {"mpm_boundary_floor_motion": "0,1e-3", **layers},
              "ramp": {"mpm_boundary_floor_motion": "0,1e-3", "mpm_boundary_floor_ramp": "0:0,1:1", **layers},
@@ -73,6 +79,19 @@ def plate(test):
         test.near(f"plate_{label}.settles", 5.25 - place[-1], settled, relative=1e-2)
 
 
+def wall(test):
+    """Sand without cohesion beside a smooth wall stands under k0, its surface on a row of nodes."""
+    sand = {"mpm_material_soil_type": "mohr_coulomb", "mpm_material_soil_cohesion": 0, "mpm_material_soil_friction": 30,
+            "mpm_bcs": "east,base", "mpm_boundaries": "wall", "mpm_boundary_wall_type": "plane", "mpm_boundary_wall_point": "1,0",
+            "mpm_boundary_wall_normal": "1,0", "mpm_body_ground_lower": "1,1", "mpm_body_bed_lower": "1,0",
+            "mpm_stage_rest_geostatic_k0": 0.5, "mpm_output_every": 1}
+    push = 0.5 * (0.5 * 20e3 * 4**2 + 20e3 * 4 + 0.5 * 26e3)  # two layers
+    for shape in ("gimp", "bspline2", "gimp_bspline2"):
+        run = test.run(LEVEL, ranks=3 if shape == "bspline2" else 1, mpm_shape=shape, **sand)
+        test.check(f"wall_{shape}.force", difference(run.results.column("reaction_wall_x"), push), None, 1e-7)
+        test.check(f"wall_{shape}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
+
+
 def slope(test):
     """A block on a slope that friction holds."""
     run = test.run(INCLINED, **STAGES)
@@ -85,4 +104,5 @@ with Test() as check:
     level(check)
     floor(check)
     plate(check)
+    wall(check)
     slope(check)
