@@ -5,7 +5,7 @@
 #include "space/space.h"
 #include "space/sum.h"
 #include "contact/contact.h"
-#include "contact/contact_law.h"
+#include "facets/contact_law.h"
 #include "contact/rigid_body.h"
 #include "rigid/basal_friction.h"
 

@@ -14,7 +14,7 @@
 #include "grid/grid.h"
 #include "space/sum.h"
 #include "contact/contact.h"
-#include "contact/contact_law.h"
+#include "facets/contact_law.h"
 #include "contact/rigid_body.h"
 
 #define TURNED 0.5 /* cosine of the angle between successive directions of sliding */

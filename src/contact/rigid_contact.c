@@ -30,7 +30,7 @@
 #include "assembly/sparsity.h"
 #include "assembly/terms.h"
 #include "contact/contact.h"
-#include "contact/contact_law.h"
+#include "facets/contact_law.h"
 #include "contact/rigid_body.h"
 
 /* ---- sums ---- */

@@ -29,7 +29,7 @@
 #include "assembly/terms.h"
 #include "pairs/body_contact.h"
 #include "pairs/body_patch.h"
-#include "contact/contact_law.h"
+#include "facets/contact_law.h"
 
 /* Water that passes by the difference of pressures. */
 static PetscReal Conductance(const MpmPairPatch *patch, const MpmSum *sum)

@@ -6,7 +6,7 @@
 #include "space/sum.h"
 #include "pairs/body_contact.h"
 #include "pairs/body_patch.h"
-#include "contact/contact_law.h"
+#include "facets/contact_law.h"
 
 /* k'/k of contacts that may slide: both sides yield, and many patches change from sticking to sliding at once */
 #define SLIDING 0.02

@@ -8,7 +8,7 @@
 #include "space/sum.h"
 #include "pairs/body_contact.h"
 #include "pairs/body_patch.h"
-#include "contact/contact_law.h"
+#include "facets/contact_law.h"
 
 PetscErrorCode MpmPairsAddSquares(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal *squares)
 {

@@ -20,7 +20,7 @@
   The barrier is p = -k d0 b'(x), b = -(x - 1)^2 ln x, x = g/d0 up to 1. Source: Li, Fang, Li and Jiang (2022), BFEMP,
   doi:10.1016/j.cma.2021.114350.
 */
-#include "contact/contact_law.h"
+#include "facets/contact_law.h"
 
 #define ROUGH 10. /* of the pressure: bound of the sticking traction of contact that may open */
 
