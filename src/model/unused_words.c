@@ -3,7 +3,6 @@
   stages are explicit, those of multigrid where another solver has been chosen.
 */
 #include <string.h>
-#include "options/database.h"
 #include "options/options.h"
 #include "scene/integrator_read.h"
 #include "solve/solve.h"
@@ -12,31 +11,25 @@
 #include "model/build.h"
 
 /* Options of the equations of implicit steps. */
-static const char *const of_equations[] = {"mpm_jacobian",
-                                           "mpm_solver",
-                                           "mpm_mat_type",
-                                           "mpm_vec_type",
-                                           "mpm_newton_lag",
-                                           "mpm_matfree_tangents",
-                                           "mpm_multigrid_levels",
-                                           "mpm_multigrid_order",
-                                           "mpm_multigrid_coarsen",
-                                           "mpm_multigrid_smoother",
-                                           "mpm_multigrid_smooths",
-                                           "mpm_multigrid_coarse",
-                                           "mpm_multigrid_precision",
-                                           "mpm_stabilization_ghost",
-                                           "mpm_stabilization_filled",
-                                           "mpm_stabilization_interior"};
+static const char *const of_equations[] = {"jacobian",
+                                           "solver",
+                                           "mat_type",
+                                           "vec_type",
+                                           "newton_lag",
+                                           "matfree_tangents",
+                                           "multigrid_levels",
+                                           "multigrid_order",
+                                           "multigrid_coarsen",
+                                           "multigrid_smoother",
+                                           "multigrid_smooths",
+                                           "multigrid_coarse",
+                                           "multigrid_precision",
+                                           "stabilization_ghost",
+                                           "stabilization_filled",
+                                           "stabilization_interior"};
 
 /* Those of multigrid on coarser lattices; the precision is of all solvers without a matrix. */
-static const char multigrid[] = "mpm_multigrid_", precision[] = "mpm_multigrid_precision";
-
-/* True where the option, and its value, call for nothing in any run. */
-static PetscBool AsksNothing(const char value[])
-{
-  return (PetscBool)(!value || !strcasecmp(value, "auto") || !strcasecmp(value, "off") || !strcmp(value, "0"));
-}
+static const char multigrid[] = "multigrid_", precision[] = "multigrid_precision";
 
 /* True where the chosen solver has multigrid of ours, for all unknowns or for those of one field. */
 static PetscBool HasMultigrid(const char solver[])
@@ -55,19 +48,19 @@ static PetscBool IsUsed(const MpmModel model, const char name[])
 
 PetscErrorCode MpmModelWarnUnused(MpmModel model)
 {
-  const PetscBool solves  = MpmStagesSolve(model);
-  char            why[64] = "all stages are explicit";
+  const MpmOptions options = {model->comm, "mpm_", model->record};
+  char             why[64] = "all stages are explicit";
 
   PetscFunctionBeginUser;
-  if (solves) PetscCall(PetscSNPrintf(why, sizeof(why), "-mpm_solver is %.30s", model->solver.preset.name));
+  if (MpmStagesSolve(model))
+    PetscCall(PetscSNPrintf(why, sizeof(why), "-mpm_solver is %.30s", model->solver.preset.name));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_equations); k++) {
-    const char *value = NULL;
-    PetscBool   given;
+    const char *value;
 
     if (IsUsed(model, of_equations[k])) continue;
-    PetscCall(MpmDatabaseFind(of_equations[k], &value, &given));
-    if (given && !AsksNothing(value))
-      PetscCall(MpmTerminalWarn(model, "warning: -%s %.80s: not used, %s", of_equations[k], value, why));
+    PetscCall(MpmOptionsOwnValue(&options, of_equations[k], &value));
+    if (value && strcmp(value, "off"))
+      PetscCall(MpmTerminalWarn(model, "warning: -mpm_%s %.80s: not used, %s", of_equations[k], value, why));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

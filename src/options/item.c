@@ -3,6 +3,7 @@
 */
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include "options/help.h"
 #include "options/item.h"
 #include "options/options.h"
@@ -41,9 +42,10 @@ static PetscErrorCode ItemRecord(MpmRecord record, const MpmItem *item, const Mp
   *first = PETSC_TRUE;
   if (!record) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmRecordGet(record, item->name, &entry));
-  *first       = entry->known ? PETSC_FALSE : PETSC_TRUE;
-  entry->known = PETSC_TRUE;
-  entry->given = item->given;
+  *first         = entry->known ? PETSC_FALSE : PETSC_TRUE;
+  entry->known   = PETSC_TRUE;
+  entry->given   = item->given;
+  entry->differs = (PetscBool)(item->given && !(item->raw && spec->fallback && !strcasecmp(item->raw, spec->fallback)));
   if (spec->presence) entry->presence = PETSC_TRUE;
   entry->numbers = (PetscBool)(spec->type == MPM_OPTION_NUMBER || spec->type == MPM_OPTION_TEXT);
   entry->range   = spec->type == MPM_OPTION_NUMBER ? spec->range : MPM_RANGE_ANY;

@@ -113,6 +113,8 @@ PetscErrorCode MpmOptionsBlocks(const MpmOptions *options, const char *list, con
                                 PetscInt *count, char ***names);
 /* True where the option -<prefix><name> is there; does not mark it as used. */
 PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscBool *has);
+/* Lends the value of an option that has been read, where the user gave another than its default; NULL elsewhere. */
+PetscErrorCode MpmOptionsOwnValue(const MpmOptions *options, const char *name, const char **value);
 
 /*
   After the whole scene has been read: an unused -mpm_ option ends the run, with the nearest known name or the list that

@@ -74,6 +74,19 @@ PetscErrorCode MpmOptionsHas(const MpmOptions *options, const char *name, PetscB
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmOptionsOwnValue(const MpmOptions *options, const char *name, const char **value)
+{
+  char           *full;
+  MpmRecordEntry *entry = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(MpmItemFullName(options, name, &full));
+  if (options->record) PetscCall(MpmRecordFind(options->record, full, &entry));
+  *value = entry && entry->differs ? entry->value : NULL;
+  PetscCall(PetscFree(full));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmOptionsReadReals(const MpmOptions *options, const MpmNumberOption *option, PetscInt count,
                                    PetscReal values[], PetscBool *set)
 {

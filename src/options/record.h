@@ -19,6 +19,7 @@ typedef struct {
   char     *value;    /* in force; NULL when there is none that could be read again */
   PetscBool known;    /* a reader has used it, beyond a test of its presence */
   PetscBool given;    /* by the user */
+  PetscBool differs;  /* given, with another value than its default */
   PetscBool presence; /* somebody asked whether it was given: written as a key it would change its meaning */
   PetscBool list;     /* of blocks */
   PetscBool aside;    /* of a block that a later list leaves out */

@@ -34,63 +34,70 @@ PetscErrorCode MpmSelectionRead(const MpmOptions *block, const MpmGrid *grid, Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A candidate for the nearest points. Lengths in the smallest side of a cell: the distance, then x, y and z. */
-typedef struct {
-  PetscReal by[1 + MPM_MAX_DIM];
-  PetscInt  id, index; /* index: where the point stands on its rank */
-} Candidate;
-
-/* Lengths that differ by rounding only are equal: of equally near points that with the least x, y, z comes first. */
-static int CompareCandidates(const void *a, const void *b)
+/* Distance of a point from the place at the start, in the smallest side of a cell; infinity for air. */
+static PetscReal Distance(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
+                          const MpmMaterial *materials, PetscInt p)
 {
-  const Candidate *p = (const Candidate *)a, *q = (const Candidate *)b;
+  PetscReal unit = grid->h[0], square = 0.;
 
-  for (PetscInt k = 0; k < 1 + MPM_MAX_DIM; k++)
-    if (PetscAbsReal(p->by[k] - q->by[k]) > MPM_TOLERANCE) return p->by[k] < q->by[k] ? -1 : 1;
-  return p->id < q->id ? -1 : p->id > q->id;
+  if (MpmPointIsAir(materials, points, p)) return PETSC_INFINITY;
+  for (PetscInt a = 1; a < grid->dim; a++) unit = PetscMin(unit, grid->h[a]);
+  for (PetscInt a = 0; a < grid->dim; a++)
+    square += PetscSqr((points->x0[p * grid->dim + a] - selection->at[a]) / unit);
+  return PetscSqrtReal(square);
 }
 
-/* share = 1/nearest at the nearest points, 0 elsewhere */
+/* The n-th of the distances of all ranks, which are sorted on each. Collective. */
+static PetscErrorCode FindNth(MPI_Comm comm, PetscInt n, PetscInt count, const PetscReal distance[], PetscReal *nth)
+{
+  const PetscMPIInt mine = (PetscMPIInt)PetscMin(n, count);
+  PetscMPIInt       size, *counts, *starts;
+  PetscReal        *all;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCall(PetscMalloc2(size, &counts, (size + 1), &starts));
+  PetscCallMPI(MPI_Allgather(&mine, 1, MPI_INT, counts, 1, MPI_INT, comm));
+  starts[0] = 0;
+  for (PetscMPIInt r = 0; r < size; r++) starts[r + 1] = starts[r] + counts[r];
+  PetscCall(PetscMalloc1(starts[size], &all));
+  PetscCallMPI(MPI_Allgatherv(distance, mine, MPIU_REAL, all, counts, starts, MPIU_REAL, comm));
+  PetscCall(PetscSortReal(starts[size], all));
+  *nth = all[n - 1];
+  PetscCall(PetscFree(all));
+  PetscCall(PetscFree2(counts, starts));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+  share = 1/nearest at the nearest points, 0 elsewhere. Points that are equally far, but for rounding, have equal shares
+  of the places that nearer ones leave: the choice is symmetric where the points are.
+*/
 static PetscErrorCode ShareNearest(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
                                    const MpmMaterial *materials, PetscReal share[])
 {
-  const PetscInt dim = grid->dim, nearest = selection->nearest;
-  PetscInt       count = 0, mine;
-  PetscReal      unit  = grid->h[0];
-  Candidate     *local, *all;
-  PetscMPIInt   *counts, *starts, bytes;
+  const PetscInt count     = points->count;
+  PetscInt       number[2] = {0, 0}; /* nearer than the last of the nearest; as far as it */
+  PetscReal     *distance, *sorted, last = 0., places;
 
   PetscFunctionBeginUser;
-  for (PetscInt a = 1; a < dim; a++) unit = PetscMin(unit, grid->h[a]);
-  PetscCall(PetscMalloc1(points->count, &local));
-  for (PetscInt p = 0; p < points->count; p++) {
-    Candidate *one = &local[count];
-
-    if (MpmPointIsAir(materials, points, p)) continue;
-    *one = (Candidate){.id = points->id[p], .index = p};
-    for (PetscInt a = 0; a < dim; a++) {
-      one->by[1 + a] = (points->x0[p * dim + a] - selection->at[a]) / unit;
-      one->by[0] += PetscSqr(one->by[1 + a]);
-    }
-    one->by[0] = PetscSqrtReal(one->by[0]);
-    count++;
+  PetscCall(PetscMalloc2(count, &distance, count, &sorted));
+  for (PetscInt p = 0; p < count; p++) distance[p] = Distance(selection, grid, points, materials, p);
+  PetscCall(PetscArraycpy(sorted, distance, count));
+  PetscCall(PetscSortReal(count, sorted));
+  PetscCall(FindNth(grid->comm, selection->nearest, count, sorted, &last));
+  for (PetscInt p = 0; p < count; p++) {
+    if (distance[p] < last - MPM_TOLERANCE) number[0]++;
+    else if (distance[p] <= last + MPM_TOLERANCE) number[1]++;
   }
-  mine  = PetscMin(nearest, count);
-  bytes = (PetscMPIInt)((size_t)mine * sizeof(Candidate));
-  if (count) qsort(local, (size_t)count, sizeof(*local), CompareCandidates);
-  PetscCall(PetscMalloc2(grid->size, &counts, (grid->size + 1), &starts));
-  PetscCallMPI(MPI_Allgather(&bytes, 1, MPI_INT, counts, 1, MPI_INT, grid->comm));
-  starts[0] = 0;
-  for (PetscMPIInt r = 0; r < grid->size; r++) starts[r + 1] = starts[r] + counts[r];
-  PetscCall(PetscMalloc1((size_t)starts[grid->size] / sizeof(Candidate), &all));
-  PetscCallMPI(MPI_Allgatherv(local, bytes, MPI_BYTE, all, counts, starts, MPI_BYTE, grid->comm));
-  qsort(all, (size_t)starts[grid->size] / sizeof(Candidate), sizeof(*all), CompareCandidates);
-  PetscCall(PetscArrayzero(share, points->count));
-  for (PetscInt k = 0; k < mine && CompareCandidates(&local[k], &all[nearest - 1]) <= 0; k++)
-    share[local[k].index] = 1. / (PetscReal)nearest;
-  PetscCall(PetscFree(all));
-  PetscCall(PetscFree(local));
-  PetscCall(PetscFree2(counts, starts));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, number, 2, MPIU_INT, MPI_SUM, grid->comm));
+  places = (PetscReal)(selection->nearest - number[0]) / (PetscReal)number[1];
+  for (PetscInt p = 0; p < count; p++)
+    share[p] = (distance[p] < last - MPM_TOLERANCE    ? 1.
+                : distance[p] <= last + MPM_TOLERANCE ? places
+                                                      : 0.) /
+               (PetscReal)selection->nearest;
+  PetscCall(PetscFree2(distance, sorted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -103,13 +103,16 @@ with Test() as test:
     line = "talus: error: -mpm_body_a_file: two of its points stand at (1.25, 0.75); each place must be there once\n"
     test.check("row_twice", int(twice.status == 2 and line in twice.errors), 1, 1)
     head, *rows = lattice(0, 0, 4, 4, 0.5).splitlines(keepends=True)
-    equally = {"mpm_tracks": "t", "mpm_track_t_at": "1,1", "mpm_output_every": "1"}
+    equally = {"mpm_tracks": "t,s", "mpm_track_t_at": "1,1", "mpm_track_s_at": "1,0.75", "mpm_track_s_nearest": "3", "mpm_output_every": "1"}
     for ranks, order in ((1, rows), (1, rows[::-1]), (3, rows[::-1])):
         results = run(test, {**body("a", "file", file="a.csv"), **equally}, {"a": "".join([head, *order])}, ranks, "a").results
         start, end = results.state("first"), results.state("last")
-        lowest = end["displacement"][[list(x) == [0.75, 0.75] for x in start["position0"]]][0]
+        moved = {tuple(map(float, x)): u for x, u in zip(start["position0"], end["displacement"])}
+        four = sum(moved[x, y] for x in (0.75, 1.25) for y in (0.75, 1.25)) / 4
+        two = (moved[0.75, 0.75] + moved[1.25, 0.75]) / 3 + sum(moved[x, y] for x in (0.75, 1.25) for y in (0.25, 1.25)) / 12
         for axis, name in enumerate("xy"):
-            test.near(f"equally_near.{ranks}.{name}", results.history[f"track_t_u{name}"][-1], lowest[axis], relative=1e-12)
+            for track, mean in (("t", four), ("s", two)):
+                test.near(f"equally_near.{ranks}.{track}.{name}", results.history[f"track_{track}_u{name}"][-1], mean[axis], relative=1e-12)
     blocks = {**box("a", (0, 0, 1, 1)), **box("b", (1, 0, 2, 1)), **box("c", (3.5, 0, 4, 1)), **box("d", (0, 1, 1, 2)),
               **box("e", (0, 2, 1, 3)), **box("f", (2, 0, 3, 1))}
     for ranks in (1, 3):
