@@ -72,6 +72,7 @@ PetscErrorCode MpmLoadCreate(const MpmOptions *options, const char *name, const 
                             MPM_RANGE_ANY, MPM_REQUIRED, load->type == MPM_LOAD_FLUX ? 1 : grid->dim, load->value,
                             NULL));
   PetscCall(MpmRampCreate(&block, "ramp", "0:0,1:1", &load->ramp));
+  PetscCall(MpmOptionsHas(&block, "ramp", &load->ramped));
   if (load->type == MPM_LOAD_GRAVITY && !MpmOptionsHelp()) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscStrallocpy(field, &load->share_field));
   PetscCall(MpmSelectionRead(&block, grid, &load->where));

@@ -20,6 +20,8 @@ typedef struct {
   PetscBool    face_given;
   PetscBool    at_face; /* acts at the face's centre also where shapes have no domain */
   MpmRamp      ramp;
+  PetscBool    ramped;  /* by the scene */
+  PetscBool    at_ends; /* gravity: acts at both ends of a point's domain (load_weights.c) */
 } MpmLoad;
 
 /* Loads, with the names of their blocks. */

@@ -122,11 +122,10 @@ PetscErrorCode MpmLoadFaceWeights(const MpmLoad *load, const MpmTouched *at, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* True where gravity acts on the points by EndWeights(): in motion mass and weight must agree, so that material falls
-   as one. */
+/* True where gravity acts on the points by EndWeights(). */
 PetscBool MpmLoadActsAtEnds(const MpmLoad *load, const MpmRules *rules)
 {
-  return (PetscBool)(load->type == MPM_LOAD_GRAVITY && rules->shape == MPM_SHAPE_GIMP_BSPLINE2 && !rules->dynamic);
+  return (PetscBool)(load->at_ends && !rules->dynamic);
 }
 
 /*
@@ -139,6 +138,9 @@ PetscBool MpmLoadActsAtEnds(const MpmLoad *load, const MpmRules *rules)
   exactly linear stress at its points. The mean over the domain is the integral itself, less by l^2/12 of w's slope at
   the material's ends: a pair of forces there, which bends the stress of the last rows. (For domains of `gimp` that lie
   in one cell both agree.)
+
+  In motion mass and weight must agree, so that material falls as one. Scenes with inertia in any stage have the mean
+  over the domain in all of them: ground at rest would move as its weight changed its nodes.
 */
 static PetscErrorCode EndPlaces(const MpmLoad *load, const MpmTouched *at, PetscInt *axis, Places *places)
 {

@@ -10,6 +10,7 @@
 #include "volume/added_term.h"
 #include "volume/inertia.h"
 #include "rigid/rigid.h"
+#include "loads/load.h"
 #include "pairs/body_contact.h"
 #include "problem/potential.h"
 #include "query/model.h"
@@ -331,6 +332,12 @@ PetscErrorCode MpmDynamicsRead(MpmModel model, const MpmOptions *options)
 
     stage->time.motion.transfer.degree = stage->relaxation.motion.transfer.degree =
       MpmShapeDegree(model->scene.shape.type);
+  }
+  for (PetscInt l = 0; l < model->scene.loads->count; l++) {
+    MpmLoad *load = &model->scene.loads->at[l];
+
+    load->at_ends = (PetscBool)(load->type == MPM_LOAD_GRAVITY && !AnyMoves(model) &&
+                                model->scene.shape.type == MPM_SHAPE_GIMP_BSPLINE2);
   }
   for (PetscInt b = 0; b < model->scene.bodies->count; b++) {
     const char *name = model->scene.bodies->names[b], *file;

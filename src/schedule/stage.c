@@ -195,6 +195,19 @@ static PetscReal RampStart(const MpmModel model, PetscBool moves)
   return moves ? PetscMax(model->state.period.start, MpmGeostaticEnd(model)) : model->state.period.start;
 }
 
+/* Start of the ramp of load l, or of a surface behind the loads: a geostatic stage ends under all of a load without one. */
+static PetscReal LoadStart(const MpmModel model, const MpmStage *stage, PetscInt l)
+{
+  const PetscInt        loads   = model->scene.loads->count;
+  const MpmLoad        *load    = l < loads ? &model->scene.loads->at[l] : NULL;
+  const MpmBodySurface *surface = load ? NULL : &model->scene.surfaces->at[l - loads];
+  const MpmRamp         ramp    = load ? load->ramp : surface->ramp;
+  const PetscReal       start   = model->state.period.start;
+
+  if (stage->geostatic.method == MPM_GEOSTATIC_NONE || !ramp || (load ? load->ramped : surface->ramped)) return start;
+  return PetscMin(start, model->state.period.end - MpmRampLastChange(ramp));
+}
+
 /* Conditions, motions, loads and surfaces active from here on, and the walls that follow. */
 static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
 {
@@ -224,7 +237,7 @@ static PetscErrorCode Activate(MpmModel model, const MpmStage *stage)
     const PetscBool acts =
       l < model->scene.loads->count ? stage->loads[l] : ActsOn(model, stage, l - model->scene.loads->count);
 
-    if (acts && !load->active) load->start = model->state.period.start;
+    if (acts && !load->active) load->start = LoadStart(model, stage, l);
     load->active = acts;
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -67,6 +67,16 @@ def floor(test):
         test.near(f"floor_lifts.{label}", np.mean(run.table("displacement")[:, 1]), 1e-3, relative=1e-4)
 
 
+def layers(test):
+    """Layers stand in motion, too, behind a geostatic stage so short that the default ramp of their weight would not end in it."""
+    for shape in ("gimp", "gimp_bspline2"):
+        for integrator, step in (("newmark", 0.05), ("explicit", 5e-4)):
+            run = test.run(LEVEL, mpm_output_every=1, mpm_shape=shape, mpm_stage_rest_time_end=0.2, mpm_stage_hold_time_integrator=integrator,
+                           mpm_stage_hold_time_step=step, mpm_stage_hold_time_end=0.2)
+            test.check(f"layers_{shape}_{integrator}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
+            test.near(f"layers_{shape}_{integrator}.weight", run.results.column("reaction_base_y")[-1], 318e3, relative=1e-9)
+
+
 def plate(test):
     """A free plate on level ground stands still in the geostatic stage; its load's ramp begins behind it."""
     soil, rock = (E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)) for E, nu in ((10e6, 0.3), (1e9, 0.2)))
@@ -103,6 +113,7 @@ def slope(test):
 with Test() as check:
     level(check)
     floor(check)
+    layers(check)
     plate(check)
     wall(check)
     slope(check)
