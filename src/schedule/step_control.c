@@ -4,6 +4,7 @@
 #include "point/material.h"
 #include "grid/shape.h"
 #include "particles/particles.h"
+#include "particles/body.h"
 #include "query/model.h"
 #include "query/query.h"
 #include "step/integrator.h"
@@ -145,6 +146,24 @@ PetscErrorCode MpmStageFinish(MpmModel model, MpmOutcome *outcome)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The weight of a body that a stage adds acts in full at once: the ground may have no equilibrium under it. */
+static PetscErrorCode ExplainAdded(const MpmModel model, MpmOutcome *outcome)
+{
+  const MpmStage *stage = &model->scene.stages.at[model->state.stage];
+
+  PetscFunctionBeginUser;
+  if (!outcome->code || model->state.time > model->state.period.start) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = 0; stage->adds && b < model->scene.bodies->count; b++) {
+    if (!stage->adds[b]) continue;
+    PetscCall(MpmOutcomeExplain(outcome,
+                                "%s; all of body %.40s weighs from the first step of stage %.40s on, and the ground "
+                                "may not bear it",
+                                outcome->text, model->scene.bodies->names[b], stage->name));
+    break;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
 {
   const PetscBool explicit = (PetscBool)(model->state.scheme.integrator->length != NULL);
@@ -176,7 +195,9 @@ PetscErrorCode MpmAdvance(MpmModel model, PetscReal *dt, MpmOutcome *outcome)
       PetscCall(MpmOutcomeExplain(outcome, "the schedule's step to %.9g: %s", (double)next, outcome->text));
     if (!outcome->retryable || model->scene.stages.given.count) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmRemediesTry(model, next, *dt, &remedies, outcome));
-    if (remedies.over) PetscFunctionReturn(PETSC_SUCCESS);
+    if (!remedies.over) continue;
+    PetscCall(ExplainAdded(model, outcome));
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
   model->state.time = next;
   model->state.step++;
