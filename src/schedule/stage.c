@@ -195,7 +195,8 @@ static PetscReal RampStart(const MpmModel model, PetscBool moves)
   return moves ? PetscMax(model->state.period.start, MpmGeostaticEnd(model)) : model->state.period.start;
 }
 
-/* Start of the ramp of load l, or of a surface behind the loads: a geostatic stage ends under all of a load without one. */
+/* Start of the ramp of load l, or of a surface behind the loads: a geostatic stage ends under the whole of one that has
+   none. */
 static PetscReal LoadStart(const MpmModel model, const MpmStage *stage, PetscInt l)
 {
   const PetscInt        loads   = model->scene.loads->count;
