@@ -15,6 +15,7 @@ typedef struct {
   char     *name;
   PetscInt  body, faces;                   /* body: or -1; faces: bits of those that belong to it (outer_faces.h) */
   PetscInt  boundary;                      /* index of a drained boundary, or -1 */
+  MpmBody   cut;                           /* the body where its edge cuts boxes (edge: cut); or NULL */
   MpmRegion region;                        /* of the faces' places in the initial state; NULL: everywhere */
   PetscReal traction[MPM_MAX_DIM], normal; /* Pa on the current faces: a vector; the stress along the outward normal */
   PetscBool loaded;
@@ -39,6 +40,9 @@ typedef struct {
   PetscReal adjoint[MPM_MAX_DIM];  /* of drained ones: weights of grad phi in the adjoint term (surface_flow.c) */
   PetscReal penalty;
   PetscReal place[MPM_MAX_DIM]; /* of its middle */
+  PetscInt  side;               /* of the point's box: 2 axis + side */
+  PetscReal part;               /* of the side, in the surface's region */
+  PetscReal missing;            /* its share of what the point's box has beyond the point, m^dim */
   PetscReal water;              /* pressure of the open water at the step's end, Pa: on drained ones */
   PetscReal rest;               /* pressure of water at rest in the ground, Pa: behind drained ones */
 } MpmSurfaceFace;
@@ -82,6 +86,8 @@ PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadAct
 PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces);
 /* Finds the step's faces and their weights (a term's `boxes`). Collective. */
 PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
+/* Moves faces of points at cut edges to those of their boxes, and finds what is missing there (surface_cut.c). */
+PetscErrorCode MpmSurfaceFacesToBoxes(MpmSurfaceFaces *faces, const MpmPoints *points, const MpmSpace *space);
 /* Marks the local nodes at which water passes faces, those of ghosts at their owners; others become 0. */
 PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *space, PetscReal mark[]);
 /*

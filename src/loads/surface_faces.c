@@ -229,8 +229,8 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules
     if (faces->surfaces->at[surface].held) held |= bit;
     PetscCall(Reserve(faces, *used + nodes));
     FaceWeights(rules, space, points, &facet, &faces->list.weight[*used]);
-    faces->list.at[faces->list.count] =
-      (MpmSurfaceFace){.surface = surface, .point = p, .group = start->group, .weight = *used};
+    faces->list.at[faces->list.count] = (MpmSurfaceFace){
+      .surface = surface, .point = p, .group = start->group, .weight = *used, .side = face, .part = part};
     part *= MpmTurn(points->F_size, facet.place[0]);
     for (PetscInt a = 0; a < dim; a++) {
       faces->list.at[faces->list.count].place[a]    = facet.place[a];
@@ -263,6 +263,7 @@ PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPo
     }
   }
   PetscCall(PetscFree(outer));
+  PetscCall(MpmSurfaceFacesToBoxes(faces, points, space));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -6,7 +6,9 @@
 
     normal s:    f s a' ,        traction t:   f t |a'| ,      open water, at a drained face below its level:   -p a'
 
-  on the nodes by the face's weights. Both follow the material, so neither has a potential in general and the tangent,
+  on the nodes by the face's weights. The part m of a box that its point at a cut edge lacks (surface_cut.c) is
+  under the stress s, or -p, of its faces: node i has the force of the area -m grad w_i as well, so that a uniform
+  stress is in balance. Loads follow the material, so none has a potential in general and the tangent,
 
     -w_i d force/d dF : (. (x) grad w_j) ,    d cof(F)_ij/dF_kl = e_ikn e_jlq F_nq ,
 
@@ -72,13 +74,19 @@ static void Area(const PetscReal gradient[3][3], const PetscReal a[3], PetscReal
   }
 }
 
+/* The stress along the face's outward normal. */
+static PetscReal Normal(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face)
+{
+  return faces->factor[face->surface] * faces->surfaces->at[face->surface].normal - face->water;
+}
+
 /* The force that acts on the face at the displacement u. */
 static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[],
                      Work *work)
 {
   const MpmBodySurface *surface = &faces->surfaces->at[face->surface];
   const PetscReal       factor  = faces->factor[face->surface];
-  const PetscReal       normal  = factor * surface->normal - face->water;
+  const PetscReal       normal  = Normal(faces, face);
   PetscReal             gradient[3][3], area[3], by[3][3][3], size = 0.;
 
   Gradient(faces, face, sum, u, work, gradient);
@@ -97,6 +105,84 @@ static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
     }
   }
 }
+
+/* ---- what a point's box has beyond the point ---- */
+
+static PetscBool HasMissing(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face)
+{
+  return (PetscBool)(face->missing != 0. && Normal(faces, face) != 0.);
+}
+
+/* The point's weight at node i over its radius. */
+static PetscReal HoopWeight(const MpmSurfaceFace *face, const MpmSum *sum, const Work *work, PetscInt i)
+{
+  return work->basis.basis[0][i] * sum->space->shapes.at[0].hoop[face->point];
+}
+
+/* As Gradient, with the point's own hoop strain. */
+static void GradientAtPoint(const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[], Work *work,
+                            PetscReal gradient[3][3])
+{
+  const MpmGroup *group = &sum->space->groups[face->group];
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+
+  MpmBasisGradient(&work->basis, group, sum, u, gradient);
+  for (PetscInt i = 0; MpmSpaceIsAxial(sum->space) && i < group->node_count; i++)
+    gradient[2][2] += HoopWeight(face, sum, work, i) * u[nodes[i] * sum->block];
+}
+
+/* The force on node i, in work->force; its hoop part is radial. The basis functions are those in `work`. */
+static void EvaluateMissing(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum,
+                            const PetscReal gradient[3][3], PetscInt i, Work *work)
+{
+  const PetscReal amount = -face->missing * Normal(faces, face);
+  PetscReal       area[3];
+
+  for (PetscInt a = 0; a < 3; a++) {
+    const PetscReal along[] = {a == 0 ? 1. : 0., a == 1 ? 1. : 0., a == 2 ? 1. : 0.};
+
+    area[a] = amount * MpmBasisSlope(&work->basis, sum->space->dim, i, along);
+  }
+  if (MpmSpaceIsAxial(sum->space)) area[2] = amount * HoopWeight(face, sum, work, i);
+  Area(gradient, area, work->force, work->by_gradient);
+  if (!MpmSpaceIsAxial(sum->space)) return;
+  work->force[0] += work->force[2];
+  for (PetscInt kl = 0; kl < 9; kl++) work->by_gradient[0][kl / 3][kl % 3] += work->by_gradient[2][kl / 3][kl % 3];
+}
+
+/* The residual at the displacement u, or its change along du. */
+static void AddMissing(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[],
+                       const PetscReal du[], Work *work, PetscReal y[])
+{
+  const MpmGroup *group = &sum->space->groups[face->group];
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+  PetscReal       gradient[3][3], change[3][3];
+
+  GradientAtPoint(face, sum, u, work, gradient);
+  if (du) GradientAtPoint(face, sum, du, work, change);
+  for (PetscInt i = 0; i < group->node_count; i++) {
+    EvaluateMissing(faces, face, sum, gradient, i, work);
+    for (PetscInt c = 0; c < sum->space->dim; c++) {
+      PetscReal force = work->force[c];
+
+      for (PetscInt kl = 0; du && kl < 9; kl++)
+        force = (kl ? force : 0.) + work->by_gradient[c][kl / 3][kl % 3] * change[kl / 3][kl % 3];
+      y[nodes[i] * sum->block + c] -= force;
+    }
+  }
+}
+
+/* The tangent's entry for node i of EvaluateMissing and force c, node j and displacement d. */
+static PetscReal MissingEntry(const MpmSurfaceFace *face, const MpmSum *sum, const Work *work, PetscInt c, PetscInt d,
+                              PetscInt j)
+{
+  PetscReal value = MpmBasisSlope(&work->basis, sum->space->dim, j, work->by_gradient[c][d]);
+
+  if (MpmSpaceIsAxial(sum->space) && !d) value += work->by_gradient[c][2][2] * HoopWeight(face, sum, work, j);
+  return -value;
+}
+
+/* ---- the term ---- */
 
 /* True where the face has a load. */
 static PetscBool IsLoaded(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face)
@@ -126,6 +212,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
     if (!IsLoaded(faces, &faces->list.at[k])) continue;
     Evaluate(faces, &faces->list.at[k], sum, u, &work);
     AddForce(faces, &faces->list.at[k], sum, work.force, residual);
+    if (HasMissing(faces, &faces->list.at[k])) AddMissing(faces, &faces->list.at[k], sum, u, NULL, &work, residual);
   }
   PetscCall(MpmBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -151,6 +238,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
       for (PetscInt kl = 0; kl < 9; kl++) force[i] += work.by_gradient[i][kl / 3][kl % 3] * change[kl / 3][kl % 3];
     }
     AddForce(faces, &faces->list.at[f], sum, force, y);
+    if (HasMissing(faces, &faces->list.at[f])) AddMissing(faces, &faces->list.at[f], sum, u, du, &work, y);
   }
   PetscCall(MpmBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -183,12 +271,20 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
     const MpmSurfaceFace *face  = &faces->list.at[f];
     const MpmGroup       *group = &sum->space->groups[face->group];
     const PetscInt       *nodes = &sum->space->group_nodes[group->node_offset];
+    PetscReal             gradient[3][3];
 
     if (!IsLoaded(faces, face)) continue;
     Evaluate(faces, face, sum, u, &work);
     for (PetscInt i = 0; i < group->node_count; i++)
       for (PetscInt cd = 0; cd < dim * dim; cd++)
         blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] += Entry(faces, face, sum, &work, i, cd, i);
+    if (!HasMissing(faces, face)) continue;
+    GradientAtPoint(face, sum, u, &work, gradient);
+    for (PetscInt i = 0; i < group->node_count; i++) {
+      EvaluateMissing(faces, face, sum, gradient, i, &work);
+      for (PetscInt cd = 0; cd < dim * dim; cd++)
+        blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] += MissingEntry(face, sum, &work, cd / dim, cd % dim, i);
+    }
   }
   PetscCall(MpmBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -211,6 +307,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     const MpmSurfaceFace *face  = &faces->list.at[f];
     const MpmGroup       *group = &sum->space->groups[face->group];
     const PetscInt        n     = group->node_count;
+    PetscReal             gradient[3][3];
 
     if (!IsLoaded(faces, face)) continue;
     Evaluate(faces, face, sum, u, &work);
@@ -219,6 +316,14 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
       for (PetscInt cd = 0; cd < dim * dim; cd++)
         for (PetscInt j = 0; j < n; j++)
           element[((i * bs + cd / dim) * bs + cd % dim) * n + j] = Entry(faces, face, sum, &work, i, cd, j);
+    if (HasMissing(faces, face)) GradientAtPoint(face, sum, u, &work, gradient);
+    for (PetscInt i = 0; HasMissing(faces, face) && i < n; i++) {
+      EvaluateMissing(faces, face, sum, gradient, i, &work);
+      for (PetscInt cd = 0; cd < dim * dim; cd++)
+        for (PetscInt j = 0; j < n; j++)
+          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] +=
+            MissingEntry(face, sum, &work, cd / dim, cd % dim, j);
+    }
     MpmPatternAddBlock(pattern, sum->space, group, element);
   }
   PetscCall(PetscFree(element));

@@ -192,6 +192,11 @@ PetscErrorCode MpmBodyCreate(const MpmOptions *options, const MpmGrid *grid, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool MpmBodyIsCut(MpmBody body)
+{
+  return body->cut;
+}
+
 PetscBool MpmBodyIsStressed(MpmBody body)
 {
   return (PetscBool)(body->start.stress != NULL);

@@ -88,6 +88,8 @@ PetscBool MpmBodyIsImported(MpmBody body);
 PetscBool MpmBodyIsReleased(MpmBody body);
 /* True where its points start with a uniform stress. Their masses are then fields. */
 PetscBool MpmBodyIsStressed(MpmBody body);
+/* True where points stand for parts of the lattice's boxes (body_edge.c). */
+PetscBool MpmBodyIsCut(MpmBody body);
 /* The lattice of a body's points: its cells are the points' domains. Not of bodies from files. */
 typedef struct {
   PetscReal lower[MPM_MAX_DIM], spacing[MPM_MAX_DIM]; /* m */

@@ -131,6 +131,8 @@ static PetscBool SurfacesAreOpen(const MpmModel model)
 
   for (PetscInt k = 0; k < scene->stages.count; k++)
     if (scene->surfaces->count && scene->stages.at[k].removal) return PETSC_TRUE;
+  for (PetscInt k = 0; k < scene->surfaces->count; k++)
+    if (scene->surfaces->at[k].cut) return PETSC_TRUE;
   return (PetscBool)(scene->surfaces->count &&
                      (!MpmShapeHasDomain(scene->shape.type) || scene->deformation.kinematics == MPM_AXISYMMETRY));
 }
@@ -150,7 +152,7 @@ static const char *FindPart(const MpmModel model)
          {"boundaries", (PetscBool)(scene->boundaries->count > 0)},
          {"contacts", (PetscBool)(scene->pairs->count > 0)},
          {"motions", (PetscBool)(scene->motions->count > 0)},
-         {"surfaces with a shape without domains, in axial symmetry, or while bodies are taken away by a ramp",
+         {"surfaces with a shape without domains, in axial symmetry, at cut edges, or while bodies are taken away by a ramp",
           SurfacesAreOpen(model)},
          {"F-bar with elements of order 2 and more", (PetscBool)(model->disc.layout->means && model->disc.grid->order > 1)},
          {"backgrounds", (PetscBool)(scene->terms->backgrounds != NULL)},
