@@ -9,7 +9,8 @@
   Work of the faces under a normal stress s in a uniform strain is that of s in the boxes. With s in what is missing
   taken off, s m (surface_load.c), it is that of s in the points: a uniform stress is in balance.
 
-  A point has several faces; the missing part is shared by how far they face it.
+  A point has several faces; the missing part is shared by how far they face it. A traction t acts at the true surface,
+  m/A before the box's face of the area A: up to there t balances t n.
 */
 #include "grid/grid.h"
 #include "facets/outer_faces.h"
@@ -71,20 +72,33 @@ static PetscReal ShareOfMissing(const CutBox *box, PetscInt dim, PetscInt bounds
   return sum > 0. ? own / sum : 0.;
 }
 
-static void MoveFace(const CutBox *box, const MpmPoints *points, const MpmSpace *space, const MpmBasis *basis,
-                     MpmSurfaceFace *face, PetscReal weight[])
+static void Move(const PetscReal by[], const MpmPoints *points, const MpmSpace *space, const MpmBasis *basis,
+                 MpmSurfaceFace *face, PetscReal weight[])
 {
   const PetscReal before = MpmTurn(points->F_size, face->place[0]);
 
   for (PetscInt i = 0; i < space->groups[face->group].node_count; i++)
-    weight[i] += MpmBasisSlope(basis, space->dim, i, box->back);
-  for (PetscInt a = 0; a < space->dim; a++) face->place[a] += box->back[a];
+    weight[i] += MpmBasisSlope(basis, space->dim, i, by);
+  for (PetscInt a = 0; a < space->dim; a++) face->place[a] += by[a];
   for (PetscInt a = 0; a < space->dim; a++) {
     face->area[a] *= MpmTurn(points->F_size, face->place[0]) / before;
     face->per_area[a] *= MpmTurn(points->F_size, face->place[0]) / before;
   }
+}
+
+static void MoveFace(const CutBox *box, const MpmBodySurface *surface, const MpmPoints *points, const MpmSpace *space,
+                     const MpmBasis *basis, MpmSurfaceFace *face, PetscReal weight[])
+{
+  PetscReal square = 0., by[MPM_MAX_DIM] = {0., 0., 0.};
+
+  Move(box->back, points, space, basis, face, weight);
   face->missing =
     face->part * box->missing * ShareOfMissing(box, space->dim, points->domain.faces[face->point], face->side);
+  if (!surface->loaded || surface->normal != 0. || surface->drained) return;
+  for (PetscInt a = 0; a < space->dim; a++) square += PetscSqr(face->area[a]);
+  for (PetscInt a = 0; a < space->dim && square > 0.; a++) by[a] = -face->missing * face->area[a] / square;
+  Move(by, points, space, basis, face, weight);
+  face->missing = 0.;
 }
 
 PetscErrorCode MpmSurfaceFacesToBoxes(MpmSurfaceFaces *faces, const MpmPoints *points, const MpmSpace *space)
@@ -97,15 +111,15 @@ PetscErrorCode MpmSurfaceFacesToBoxes(MpmSurfaceFaces *faces, const MpmPoints *p
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmBasisCreate(space, &basis));
   for (PetscInt k = 0; k < faces->list.count; k++) {
-    MpmSurfaceFace *face = &faces->list.at[k];
-    const MpmBody   body = faces->surfaces->at[face->surface].cut;
-    CutBox          box;
+    MpmSurfaceFace       *face    = &faces->list.at[k];
+    const MpmBodySurface *surface = &faces->surfaces->at[face->surface];
+    CutBox                box;
 
-    if (!body) continue;
-    FindCutBox(body, space->dim, points, face->point, &box);
+    if (!surface->cut) continue;
+    FindCutBox(surface->cut, space->dim, points, face->point, &box);
     if (box.missing == 0.) continue;
     MpmSpaceEvaluate(space, &space->groups[face->group], face->point, &basis);
-    MoveFace(&box, points, space, &basis, face, &faces->list.weight[face->weight]);
+    MoveFace(&box, surface, points, space, &basis, face, &faces->list.weight[face->weight]);
   }
   PetscCall(MpmBasisDestroy(&basis));
   PetscFunctionReturn(PETSC_SUCCESS);

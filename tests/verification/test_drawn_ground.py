@@ -163,6 +163,33 @@ QUADRANT = """mpm:
 """
 
 
+LEVEL = """mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "2,3", cells: "4,6"}
+  materials: soil
+  material_soil: {type: hencky, E: 1e8, nu: 0.3, density: 2000}
+  bodies: soil
+  body_soil: {region: box, lower: "0,0", upper: "2,2.3", points_per_cell: "2,2", material: soil, edge: cut}
+  bcs: sides,base
+  bc_sides: {region: all, components: "x"}
+  bc_base: {region: box, lower: "0,0", upper: "2,0", components: "y"}
+  loads: weight
+  load_weight: {type: gravity, value: "0,-10"}
+  surfaces: top
+  surface_top: {body: soil, side: "+y"}
+  time: {end: 1, step: 1}
+"""
+
+
+def check_level(test):
+    """The topmost points of level ground between rows of boxes, under a pressure and a traction: stress at their height."""
+    for name, load in (("normal", {"normal": -5e4}), ("traction", {"traction": "0,-5e4"})):
+        run = test.run(write(test, LEVEL, ""), **{f"mpm_surface_top_{key}": value for key, value in load.items()})
+        y, stress = run.table("position", 0)[:, 1], run.table("stress")[:, 1]
+        top = y > y.max() - 1e-9
+        test.near(f"level.{name}", stress[top].mean(), -5e4 - 2e4 * (2.3 - y.max()), relative=1e-5)
+
+
 def check_pressure(test):
     """Uniform pressure on a disc with a cut edge: stress, where faces alone without what is missing in their boxes are 5 % off."""
     for shape, bound in (("linear", 0.015), ("gimp", 0.02)):
@@ -204,6 +231,7 @@ with Test() as test:
     check_cut(test)
     check_sphere(test)
     check_pressure(test)
+    check_level(test)
     wall, pieces = test.run(write(test, WALL)), test.run(write(test, PIECES))
     test.near("wall.weight", weight(wall), 10 * (1800 * (48 - 2) + 2500 * 3), relative=1e-9)
     test.check("wall.stress", difference(sorted_table(wall, "stress"), sorted_table(pieces, "stress")), None, 1e-9)
