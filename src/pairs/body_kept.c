@@ -60,6 +60,12 @@ static PetscReal TouchesAtStart(PetscInt dim, const MpmPairContacts *contacts, c
   return patch->gap < within ? patch->gap : 0.;
 }
 
+/* True where the body of a barrier, behind which there is always a gap, has joined without one. */
+static PetscBool Joins(const MpmPair *pair, PetscReal cell, const MpmPairPatch *patch)
+{
+  return (PetscBool)(pair->barrier && patch->gap - patch->touches < MPM_TOLERANCE * cell);
+}
+
 /* Conductance for water as the step starts, of the pair's open contacts. */
 static void OpenPatch(const MpmPairContacts *contacts, const MpmSum *sum, MpmPairPatch *patch)
 {
@@ -99,8 +105,9 @@ PetscErrorCode MpmPairPatchesPrepare(void *ctx, const MpmTermStep *step)
       MpmPairPatch *patch = &contacts->patch[k];
 
       if (patch->pair != p) continue;
-      patch->touches = contacts->starts ? TouchesAtStart(dim, contacts, patch) : mean[k];
+      patch->touches = mean[k];
       if (step->rules->put_back) patch->touches = mean[k] < 0.5 * UNKNOWN ? patch->gap - mean[k] : 0.;
+      if (contacts->starts || Joins(pair, contacts->cell, patch)) patch->touches = TouchesAtStart(dim, contacts, patch);
     }
     if (pair->rest_field) PetscCall(LoadField(contacts, p, pair->rest_field, dim, step->particles, mean));
     for (PetscInt k = 0; pair->rest_field && k < contacts->patch_count; k++)

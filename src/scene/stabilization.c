@@ -90,11 +90,20 @@ static PetscErrorCode ReadDivide(MpmModel model, const MpmOptions *block)
 /* MPM_FILLED of elements of order 3 and 4: polynomials of degree 3 tear with less than nearly all of their points. */
 #define FILLED_3 0.9
 
+/* True where any stage takes explicit steps, in which no node follows others. */
+static PetscBool AnyExplicit(const MpmModel model)
+{
+  for (PetscInt k = 0; k < model->scene.stages.count; k++)
+    if (model->scene.stages.at[k].time.motion.type == MPM_EXPLICIT) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /*
   A polynomial of degree p grows as the p-th power of the distance from the part of a cell that points fill. Points of a
   physics without displacement stand anywhere in whole cells, of which they fill less near the grid's edge. Splines of
   degree 2 have a node beyond a surface on a row of nodes, where F-bar leaves the half of a span, and two nodes, one
-  volume change: without cohesion no stress there is in balance.
+  volume change: without cohesion no stress there is in balance. In explicit steps none is either way, and the stages
+  before them have the same balance.
 */
 static PetscReal DefaultFilled(const MpmModel model)
 {
@@ -103,7 +112,7 @@ static PetscReal DefaultFilled(const MpmModel model)
 
   if (!model->scene.stabilization.ghost_auto) return 0.;
   if (!model->disc.layout->motion) order = 1;
-  else if (model->scene.stabilization.fbar && MpmShapeDegree(shape) == 2) order = 2;
+  else if (model->scene.stabilization.fbar && MpmShapeDegree(shape) == 2 && !AnyExplicit(model)) order = 2;
   return order > 2 ? FILLED_3 : PetscPowReal(MPM_FILLED, 1. / (PetscReal)order);
 }
 

@@ -27,6 +27,8 @@ def level(test):
         test.check(f"level_{label}.force", difference(run.results.column("force_ab_y"), WEIGHT), None, 1e-9)
         test.check(f"level_{label}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
         test.check(f"level_{label}.newton", np.max(run.newton[1:]), None, 1)
+    run = test.run(BLOCK, mpm_contact_ab_method="barrier", mpm_stage_hold_bodies="block")  # joins without a gap
+    test.check("level_joins.force", difference(run.results.column("force_ab_y")[-1], WEIGHT), None, 1e-9)
     for label in ("on_2", "on_3"):
         test.check(f"level_{label}.same", difference(runs["gravity"].table("stress"), runs[label].table("stress")), None, 1e-9)
     for label, options in (("sticks", {}), ("k0_on_3", {"ranks": 3, "mpm_stage_rest_geostatic_method": "k0", "mpm_stage_rest_geostatic_k0": 0.5}),
@@ -69,10 +71,10 @@ def floor(test):
 
 def layers(test):
     """Layers stand in motion, too, behind a geostatic stage so short that the default ramp of their weight would not end in it."""
-    for shape in ("gimp", "gimp_bspline2"):
+    for shape, fbar in (("gimp", "auto"), ("gimp_bspline2", "auto"), ("bspline2", "true")):
         for integrator, step in (("newmark", 0.05), ("explicit", 5e-4)):
             run = test.run(LEVEL, mpm_output_every=1, mpm_shape=shape, mpm_stage_rest_time_end=0.2, mpm_stage_hold_time_integrator=integrator,
-                           mpm_stage_hold_time_step=step, mpm_stage_hold_time_end=0.2)
+                           mpm_stage_hold_time_step=step, mpm_stage_hold_time_end=0.2, mpm_stabilization_fbar=fbar)
             test.check(f"layers_{shape}_{integrator}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
             test.near(f"layers_{shape}_{integrator}.weight", run.results.column("reaction_base_y")[-1], 318e3, relative=1e-9)
 
