@@ -208,7 +208,7 @@ PetscErrorCode MpmContactsFind(void *ctx, const MpmRules *rules, const MpmPoints
   MpmFacetsSetPoses(&contacts->facets, rules->time.start, rules->time.end);
   PetscCall(MpmFacetsBegin(&contacts->facets, rules->grid, points));
   contacts->tilt = TILT * contacts->facets.cell;
-  MpmRigidBegin(contacts, rules->time.end, rules->dynamic ? rules->time.end - rules->time.start : 0., rules->gravity);
+  MpmRigidBegin(contacts, rules);
   do {
     PetscCall(FindPatches(contacts, rules, points, space));
     if (contacts->facets.bodies) PetscCall(MpmRigidSettle(contacts, rules->grid, &moved));
@@ -283,8 +283,7 @@ PetscErrorCode MpmContactsPrepare(void *ctx, const MpmTermStep *step)
   Strengths(contacts, step->sum);
   PetscCall(MpmContactsLoad(contacts, step));
   if (!again || !contacts->facets.bodies) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmRigidBegin(contacts, step->rules->time.end,
-                step->rules->dynamic ? step->rules->time.end - step->rules->time.start : 0., step->rules->gravity);
+  MpmRigidBegin(contacts, step->rules);
   while (moved) PetscCall(MpmRigidSettle(contacts, step->rules->grid, &moved));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -11,10 +11,9 @@
 /* Takes over the places of the bodies, which are the state's; borrowed. */
 PetscErrorCode MpmRigidCreate(MpmContacts *contacts, MpmPlacement *placements);
 /*
-  Places of the bodies as a step to `time` begins; before the search for contacts. dt: its length, where inertia counts
-  in it, otherwise 0; gravity in m/s2.
+  Places and loads of the bodies as a step begins, loads by the integrator's weights; before the search for contacts.
 */
-void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const PetscReal gravity[]);
+void MpmRigidBegin(MpmContacts *contacts, const MpmRules *rules);
 /* Initial placements, by boundary. */
 void MpmRigidStart(PetscInt count, const MpmBoundary boundaries[], MpmPlacement placements[]);
 /* Operations of the term in steps with inertia, of bodies with a mass (MpmTermMotion; rigid_inertia.c). */

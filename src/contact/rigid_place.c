@@ -2,6 +2,7 @@
   Places of rigid bodies that are solved for: initially, as a step begins, after an increment, and in the report.
 */
 #include "geometry/geometry.h"
+#include "space/rules.h"
 #include "contact/contact.h"
 #include "contact/rigid_body.h"
 
@@ -39,28 +40,37 @@ static PetscBool StandsStill(const MpmFreedom *freedom, PetscReal time)
   return (PetscBool)(freedom->still > 0. && time <= freedom->still * (1. + 1e3 * PETSC_MACHINE_EPSILON));
 }
 
-void MpmRigidBegin(MpmContacts *contacts, PetscReal time, PetscReal dt, const PetscReal gravity[])
+/* Factor of load and moment at a time, which counts from the end of such stages. */
+static PetscReal LoadFactor(const MpmFreedom *freedom, PetscReal time)
 {
+  return StandsStill(freedom, time) ? 0. : MpmRampEvaluate(freedom->ramp, PetscMax(time - freedom->still, 0.));
+}
+
+void MpmRigidBegin(MpmContacts *contacts, const MpmRules *rules)
+{
+  const PetscReal part = rules->load_at_start;
+
   contacts->adrift = -1;
   for (PetscInt b = 0; contacts->facets.bodies && b < contacts->facets.boundary_count; b++) {
     MpmRigidBody      *body     = &contacts->facets.bodies[b];
     const MpmBoundary *boundary = &contacts->facets.boundaries[b];
 
     if (!body->freedom) continue;
-    const PetscBool still  = StandsStill(body->freedom, time);
-    const PetscReal factor = still ? 0. : MpmRampEvaluate(body->freedom->ramp, time - body->freedom->still);
+    const PetscBool still  = StandsStill(body->freedom, rules->time.end);
+    const PetscReal start  = part > 0. ? part * LoadFactor(body->freedom, rules->time.start) : 0.;
+    const PetscReal factor = still ? 0. : (1. - part) * LoadFactor(body->freedom, rules->time.end) + start;
 
     MpmRigidRotation(body->placement->turn, body->Q);
     MpmBoundaryReference(boundary, &contacts->facets.before[b], body->pivot);
     MpmBoundaryReference(boundary, &contacts->facets.after[b], body->travel);
     for (PetscInt a = 0; a < 3; a++) {
       body->travel[a] -= body->pivot[a];
-      body->load[a]   = factor * body->freedom->load[a] + (still ? 0. : body->freedom->mass * gravity[a]);
+      body->load[a]   = factor * body->freedom->load[a] + (still ? 0. : body->freedom->mass * rules->gravity[a]);
       body->moment[a] = factor * body->freedom->moment[a];
     }
     for (int n = 0; n < 2; n++) body->free[n] = still ? 0 : body->freedom->free[n];
     body->spins = 0;
-    body->dt    = body->freedom->mass > 0. ? dt : 0.;
+    body->dt    = rules->dynamic && body->freedom->mass > 0. ? rules->time.end - rules->time.start : 0.;
     for (PetscInt k = 0; k < 6; k++)
       body->guess[k] = body->dt * (body->placement->velocity[k] + 0.5 * body->dt * body->placement->acceleration[k]);
   }
