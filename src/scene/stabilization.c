@@ -33,6 +33,7 @@
 #include "rigid/rigid.h"
 #include "loads/load.h"
 #include "query/model.h"
+#include "query/query.h"
 #include "scene/integrator_read.h"
 #include "scene/scene_read.h"
 
@@ -102,8 +103,8 @@ static PetscBool AnyExplicit(const MpmModel model)
   A polynomial of degree p grows as the p-th power of the distance from the part of a cell that points fill. Points of a
   physics without displacement stand anywhere in whole cells, of which they fill less near the grid's edge. Splines of
   degree 2 have a node beyond a surface on a row of nodes, where F-bar leaves the half of a span, and two nodes, one
-  volume change: without cohesion no stress there is in balance. In explicit steps none is either way, and the stages
-  before them have the same balance.
+  volume change: in a geostatic state no stress there without tension is in balance. In explicit steps no node follows
+  either way, and the stages before them have the same balance.
 */
 static PetscReal DefaultFilled(const MpmModel model)
 {
@@ -112,7 +113,9 @@ static PetscReal DefaultFilled(const MpmModel model)
 
   if (!model->scene.stabilization.ghost_auto) return 0.;
   if (!model->disc.layout->motion) order = 1;
-  else if (model->scene.stabilization.fbar && MpmShapeDegree(shape) == 2 && !AnyExplicit(model)) order = 2;
+  else if (model->scene.stabilization.fbar && MpmShapeDegree(shape) == 2 && MpmStagesAreGeostatic(model) &&
+           !AnyExplicit(model))
+    order = 2;
   return order > 2 ? FILLED_3 : PetscPowReal(MPM_FILLED, 1. / (PetscReal)order);
 }
 
@@ -125,9 +128,9 @@ static PetscErrorCode ReadFilled(MpmModel model, const MpmOptions *block)
     block, "filled", "-",
     "aggregation of small-cut nodes: those of cells (splines of even degree: cells around nodes) that the material "
     "fills to less than this share of the fullest one beside follow well filled ones by extrapolation; 0.35, "
-    "elements of order 2 and splines of degree 2 with F-bar its root, elements of more 0.9; 0: no node does, the "
-    "default where ghost is not auto (bar pulled by its end nodes by 8 % of a cell: reaction exact to 0.3 %, 19 % less "
-    "with 0)",
+    "elements of order 2, and splines of degree 2 with F-bar from a geostatic state, its root, elements of more 0.9; "
+    "0: no node does, the default where ghost is not auto (bar pulled by its end nodes by 8 % of a cell: reaction "
+    "exact to 0.3 %, 19 % less with 0)",
     MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.stabilization.filled, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -47,8 +47,8 @@ static PetscReal Distance(const MpmSelection *selection, const MpmGrid *grid, co
   return PetscSqrtReal(square);
 }
 
-/* The n-th of the distances of all ranks, which are sorted on each. Collective. */
-static PetscErrorCode FindNth(MPI_Comm comm, PetscInt n, PetscInt count, const PetscReal distance[], PetscReal *nth)
+/* The n-th of the numbers of all ranks, which are sorted on each. Collective. */
+static PetscErrorCode FindNth(MPI_Comm comm, PetscInt n, PetscInt count, const PetscReal number[], PetscReal *nth)
 {
   const PetscMPIInt mine = (PetscMPIInt)PetscMin(n, count);
   PetscMPIInt       size, *counts, *starts;
@@ -61,7 +61,7 @@ static PetscErrorCode FindNth(MPI_Comm comm, PetscInt n, PetscInt count, const P
   starts[0] = 0;
   for (PetscMPIInt r = 0; r < size; r++) starts[r + 1] = starts[r] + counts[r];
   PetscCall(PetscMalloc1(starts[size], &all));
-  PetscCallMPI(MPI_Allgatherv(distance, mine, MPIU_REAL, all, counts, starts, MPIU_REAL, comm));
+  PetscCallMPI(MPI_Allgatherv(number, mine, MPIU_REAL, all, counts, starts, MPIU_REAL, comm));
   PetscCall(PetscSortReal(starts[size], all));
   *nth = all[n - 1];
   PetscCall(PetscFree(all));
@@ -69,34 +69,33 @@ static PetscErrorCode FindNth(MPI_Comm comm, PetscInt n, PetscInt count, const P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  share = 1/nearest at the nearest points, 0 elsewhere. Points that are equally far, but for rounding, have equal shares
-  of the places that nearer ones leave: the choice is symmetric where the points are.
-*/
+/* share = 1/nearest at the nearest points, 0 elsewhere. Of points that are equally far, but for rounding, those with the
+   smaller ids are taken. */
 static PetscErrorCode ShareNearest(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
                                    const MpmMaterial *materials, PetscReal share[])
 {
-  const PetscInt count     = points->count;
-  PetscInt       number[2] = {0, 0}; /* nearer than the last of the nearest; as far as it */
-  PetscReal     *distance, *sorted, last = 0., places;
+  const PetscInt count  = points->count;
+  PetscInt       nearer = 0, equal = 0;
+  PetscReal     *distance, *sorted, last, last_id;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc2(count, &distance, count, &sorted));
-  for (PetscInt p = 0; p < count; p++) distance[p] = Distance(selection, grid, points, materials, p);
-  PetscCall(PetscArraycpy(sorted, distance, count));
+  for (PetscInt p = 0; p < count; p++) sorted[p] = distance[p] = Distance(selection, grid, points, materials, p);
   PetscCall(PetscSortReal(count, sorted));
   PetscCall(FindNth(grid->comm, selection->nearest, count, sorted, &last));
   for (PetscInt p = 0; p < count; p++) {
-    if (distance[p] < last - MPM_TOLERANCE) number[0]++;
-    else if (distance[p] <= last + MPM_TOLERANCE) number[1]++;
+    if (distance[p] < last - MPM_TOLERANCE) nearer++;
+    else if (distance[p] <= last + MPM_TOLERANCE) sorted[equal++] = (PetscReal)points->id[p];
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, number, 2, MPIU_INT, MPI_SUM, grid->comm));
-  places = (PetscReal)(selection->nearest - number[0]) / (PetscReal)number[1];
-  for (PetscInt p = 0; p < count; p++)
-    share[p] = (distance[p] < last - MPM_TOLERANCE    ? 1.
-                : distance[p] <= last + MPM_TOLERANCE ? places
-                                                      : 0.) /
-               (PetscReal)selection->nearest;
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &nearer, 1, MPIU_INT, MPI_SUM, grid->comm));
+  PetscCall(PetscSortReal(equal, sorted));
+  PetscCall(FindNth(grid->comm, selection->nearest - nearer, equal, sorted, &last_id));
+  for (PetscInt p = 0; p < count; p++) {
+    const PetscBool taken = (PetscBool)(distance[p] < last - MPM_TOLERANCE ||
+                                        (distance[p] <= last + MPM_TOLERANCE && (PetscReal)points->id[p] <= last_id));
+
+    share[p] = taken ? 1. / (PetscReal)selection->nearest : 0.;
+  }
   PetscCall(PetscFree2(distance, sorted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

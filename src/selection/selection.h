@@ -15,9 +15,9 @@ typedef struct {
 /* Reads `at` and `nearest`, or a region; exactly one of the two ways. */
 PetscErrorCode MpmSelectionRead(const MpmOptions *block, const MpmGrid *grid, MpmSelection *selection);
 /*
-  Each point's share in the selection, 0 outside and for air: 1/nearest, of several as far as the last of these equal
-  shares of what is left for them, or the point's fraction of the volume of all points in the region. Errors name the
-  option -mpm_<prefix>_<name>_at, _nearest or _region.
+  Each point's share in the selection, 0 outside and for air: 1/nearest, or the point's fraction of the volume of all
+  points in the region. Of points that are equally far those with the smaller ids are taken. Errors name the option
+  -mpm_<prefix>_<name>_at, _nearest or _region.
 */
 PetscErrorCode MpmSelectionShare(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
                                  const MpmMaterials *materials, const char *prefix, const char *name,
