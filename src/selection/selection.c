@@ -69,8 +69,10 @@ static PetscErrorCode FindNth(MPI_Comm comm, PetscInt n, PetscInt count, const P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* share = 1/nearest at the nearest points, 0 elsewhere. Of points that are equally far, but for rounding, those with the
-   smaller ids are taken. */
+/*
+  share = 1/nearest at the nearest points, 0 elsewhere. Of points that are equally far, but for rounding, those with the
+  smaller ids are taken.
+*/
 static PetscErrorCode ShareNearest(const MpmSelection *selection, const MpmGrid *grid, const MpmPoints *points,
                                    const MpmMaterial *materials, PetscReal share[])
 {
