@@ -233,9 +233,9 @@ CASES = {
     # splines at H/10: 7 % too low
     "acads_1c": Case(CASES_FOLDER / "acads_1c.yaml", factor(1.39, -0.04, 0.04), {"mpm_stage_fail_time_step": 0.02}, status=(0, 3),
                      brief=("base",), options=SHORT | {"mpm_material_top_cohesion": 500}, skip=("shape",)),
-    # Taylor's circle; the limit load is below 2.044 (scripts/bench.py slope-limit)
+    # Taylor's circle; the limit load is below 2.044 (scripts/bench.py slope-limit). Splines at H/10: 4.5 % high
     "griffiths_lane_4": Case(CASES_FOLDER / "griffiths_lane_4.yaml", factor(2.1, -0.04, 0.04), {"mpm_stage_fail_time_step": 0.02},
-                             status=(0, 3), brief=("base",)),
+                             shape=SPLINE | {"mpm_grid_refine": 2}, status=(0, 3), brief=("base",)),
     "vertical_cut": Case(HERE / "vertical_cut.yaml", factor(1.133, -0.04, 0.075), {"mpm_stage_fail_time_step": 0.02}, status=(0, 3),
                          brief=("base",), options=SHORT | {"mpm_grid_cells": "26,18"}),
     # splines: no geostatic state is found
