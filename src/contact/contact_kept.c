@@ -248,46 +248,49 @@ static PetscErrorCode ShareParts(const MpmContacts *contacts, PetscInt b, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A number of a patch and its answer, which its points keep; false: its points keep none. */
+/* A number of a patch and its answer, which the point of a facet keeps; false: it keeps none. */
 typedef PetscBool (*PatchNumber)(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer,
-                                 PetscInt axis, PetscReal *value);
+                                 const MpmFacet *facet, PetscInt axis, PetscReal *value);
 
 /* Slip while it touches: a corner may not touch as its faces do. */
-static PetscBool SlipOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer, PetscInt axis,
-                        PetscReal *value)
+static PetscBool SlipOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer,
+                        const MpmFacet *facet, PetscInt axis, PetscReal *value)
 {
+  (void)facet;
   *value =
     answer->slip[axis] / (MpmContactsGiving(contacts, patch->boundary) * (patch->slips > 0. ? patch->slips : 1.));
   return (PetscBool)(answer->active && !MpmPatchFlows(contacts, patch));
 }
 
 static PetscBool PressureOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer,
-                            PetscInt axis, PetscReal *value)
+                            const MpmFacet *facet, PetscInt axis, PetscReal *value)
 {
   (void)contacts;
+  (void)facet;
   (void)axis;
   *value = -patch->stiffness * answer->gap;
   return PETSC_TRUE;
 }
 
 /* Gap of a bilateral boundary. */
-static PetscBool GapOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer, PetscInt axis,
-                       PetscReal *value)
+static PetscBool GapOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer,
+                       const MpmFacet *facet, PetscInt axis, PetscReal *value)
 {
   (void)contacts;
+  (void)facet;
   (void)axis;
   *value = answer->gap + patch->shift;
   return PETSC_TRUE;
 }
 
-/* Pressure of a geostatic state. */
-static PetscBool RestOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer, PetscInt axis,
-                        PetscReal *value)
+/* Pressure of a geostatic state: of faces, not of pieces of a surface. */
+static PetscBool RestOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer,
+                        const MpmFacet *facet, PetscInt axis, PetscReal *value)
 {
   (void)answer;
   (void)axis;
   *value = patch->rest;
-  return (PetscBool)!MpmPatchFlows(contacts, patch);
+  return (PetscBool)(!facet->piece && !MpmPatchFlows(contacts, patch));
 }
 
 /* A source of numbers for the points. */
@@ -308,13 +311,15 @@ static PetscErrorCode KeepNumber(const Source *source, PetscInt b, const char *f
   PetscCall(MpmParticlesGetField(source->particles, field, &kept));
   PetscCall(MpmPointsClear(source->points, kept));
   for (PetscInt k = 0; k < contacts->patch_count; k++) {
-    const MpmPatch *patch = &contacts->patch[k];
-    PetscReal       value;
+    const MpmPatch       *patch  = &contacts->patch[k];
+    const MpmPatchAnswer *answer = source->answers ? &source->answers[k] : NULL;
 
-    if (patch->boundary != b || !number(contacts, patch, source->answers ? &source->answers[k] : NULL, axis, &value))
-      continue;
-    for (PetscInt f = patch->begin; f < patch->end; f++)
-      if (number != RestOf || !contacts->facets.at[f].piece) Keep(&contacts->facets.at[f], value, kept);
+    for (PetscInt f = patch->begin; patch->boundary == b && f < patch->end; f++) {
+      PetscReal value;
+
+      if (number(contacts, patch, answer, &contacts->facets.at[f], axis, &value))
+        Keep(&contacts->facets.at[f], value, kept);
+    }
   }
   PetscCall(MpmParticlesRestoreField(source->particles, &kept));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -48,7 +48,7 @@ static PetscReal LoadFactor(const MpmFreedom *freedom, PetscReal time)
 
 void MpmRigidBegin(MpmContacts *contacts, const MpmRules *rules)
 {
-  const PetscReal part = rules->load_at_start;
+  const PetscReal part = rules->time.load_at_start;
 
   contacts->adrift = -1;
   for (PetscInt b = 0; contacts->facets.bodies && b < contacts->facets.boundary_count; b++) {

@@ -247,6 +247,10 @@ static PetscErrorCode AccelerateToContact(MpmModel model, PetscReal force[])
   PetscReal     *bears = model->state.scheme.dynamics->a_start;
 
   PetscFunctionBeginUser;
+  if (!MpmStagesAreGeostatic(model)) {
+    PetscCall(Accelerate(model, WholeKick(model), force));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscArrayzero(bears, count));
   PetscCall(MpmTermsBear(model->disc.terms, model->disc.sum, bears));
   PetscCall(MpmSpaceAddToOwners(model->disc.space, model->disc.dim, bears));

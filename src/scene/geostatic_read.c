@@ -12,6 +12,7 @@
 #include "rigid/rigid_motion.h"
 #include "loads/load.h"
 #include "query/model.h"
+#include "query/query.h"
 #include "scene/stage_lists.h"
 #include "scene/stage_read.h"
 
@@ -130,17 +131,12 @@ static PetscErrorCode CheckGravity(MpmModel model, const MpmStage *stage)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Time of a stage's start, and true where it and all stages before it are geostatic. */
+/* Time of a stage's start, and true where it is one of the geostatic stages with which the run begins. */
 static PetscBool IsLeading(const MpmModel model, const MpmStage *stage, PetscReal *start)
 {
-  PetscBool leading = PETSC_TRUE;
-
   *start = 0.;
-  for (const MpmStage *other = model->scene.stages.at; other < stage; other++) {
-    *start += other->time.end;
-    leading = (PetscBool)(leading && other->geostatic.method != MPM_GEOSTATIC_NONE);
-  }
-  return leading;
+  for (const MpmStage *other = model->scene.stages.at; other < stage; other++) *start += other->time.end;
+  return (PetscBool)(*start < MpmGeostaticEnd(model));
 }
 
 /*

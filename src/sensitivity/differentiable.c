@@ -152,7 +152,8 @@ static const char *FindPart(const MpmModel model)
          {"boundaries", (PetscBool)(scene->boundaries->count > 0)},
          {"contacts", (PetscBool)(scene->pairs->count > 0)},
          {"motions", (PetscBool)(scene->motions->count > 0)},
-         {"surfaces with a shape without domains, in axial symmetry, at cut edges, or while bodies are taken away by a ramp",
+         {"surfaces with a shape without domains, in axial symmetry, at cut edges, or while bodies are taken away by a "
+               "ramp",
           SurfacesAreOpen(model)},
          {"F-bar with elements of order 2 and more", (PetscBool)(model->disc.layout->means && model->disc.grid->order > 1)},
          {"backgrounds", (PetscBool)(scene->terms->backgrounds != NULL)},

@@ -34,9 +34,9 @@ typedef struct {
   PetscReal ghost, sparse, interior;
 } MpmPenalty;
 
-/* The step's start and end, s. */
+/* The step's start and end, s, and the part of loads that acts by their value at its start. */
 typedef struct {
-  PetscReal start, end;
+  PetscReal start, end, load_at_start;
 } MpmInterval;
 
 /* Means of the physics: none; over the points whose centres lie in a cell; by shares of the points' domains. */
@@ -62,10 +62,10 @@ typedef struct MpmRules {
   PetscReal          smooth; /* share of means over pieces in derivatives (grid/shape.h); where there is one shape */
   MpmMeansType       means;  /* of cells: their points stand side by side */
   MpmInterval        time;
-  PetscBool          put_back; /* the points were restored after the last step, which kept their stress */
-  PetscBool          dynamic;  /* a step with inertia that is solved for */
-  PetscReal          load_at_start, gravity[MPM_MAX_DIM]; /* part of loads by their value at a step's start; m/s2 */
-  PetscInt           parts;                               /* of the material, with nodes of their own; 0 or 1: none */
+  PetscBool          put_back;             /* the points were restored after the last step, which kept their stress */
+  PetscBool          dynamic;              /* a step with inertia that is solved for */
+  PetscReal          gravity[MPM_MAX_DIM]; /* m/s2 */
+  PetscInt           parts;                /* of the material, with nodes of their own; 0 or 1: none */
 } MpmRules;
 
 /* First and last vertex that bound the material around a place on each axis: the grid's edges, or a wall between. */

@@ -54,14 +54,13 @@ MpmRules MpmStepRules(MpmModel model, PetscReal time)
                .penalty.sparse = solves && model->scene.stabilization.ghost_auto ? MPM_GHOST_SPARSE : 0.,
                .penalty.interior =
                  solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.stabilization.interior : 0.,
-               .smooth        = model->scene.stabilization.smooth,
-               .means         = !model->disc.layout->means               ? MPM_MEANS_NONE
-                                : model->scene.stabilization.fbar_spread ? MPM_MEANS_SPREAD
-                                                                         : MPM_MEANS_CELL,
-               .put_back      = model->state.scheme.put_back,
-               .time          = {model->state.time, time},
-               .load_at_start = model->state.scheme.load_at_start,
-               .dynamic       = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
+               .smooth   = model->scene.stabilization.smooth,
+               .means    = !model->disc.layout->means               ? MPM_MEANS_NONE
+                           : model->scene.stabilization.fbar_spread ? MPM_MEANS_SPREAD
+                                                                    : MPM_MEANS_CELL,
+               .put_back = model->state.scheme.put_back,
+               .time     = {model->state.time, time, model->state.scheme.load_at_start},
+               .dynamic  = (PetscBool)(motion != MPM_QUASISTATIC && solves)};
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {
     const MpmLoad *load = &model->scene.loads->at[l];
 
