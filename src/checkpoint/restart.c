@@ -6,7 +6,7 @@
 */
 #include <stdlib.h>
 #include <strings.h>
-#include "io/hdf5_rows.h"
+#include "files/hdf5_rows.h"
 #include "io/io.h"
 #include "grid/partition.h"
 #include "particles/particles.h"

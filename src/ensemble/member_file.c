@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 #include "maps/json.h"
 #include "ensemble/ensemble.h"
 

@@ -9,7 +9,7 @@
                   linear between its rows, constant before and after them; a column that is not there is 0
 */
 #include "options/options.h"
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 #include "geometry/geometry.h"
 #include "geometry/motion.h"
 #include "geometry/rotations.h"

@@ -5,7 +5,7 @@
   1, and 1 at 1.
 */
 #include "options/options.h"
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 #include "geometry/geometry.h"
 
 #include <stdlib.h>

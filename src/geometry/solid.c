@@ -13,7 +13,7 @@
     side      of all but a plane and a terrain, on which the material is: outside (default) or inside
 */
 #include "options/options.h"
-#include "io/stl_file.h"
+#include "files/stl_file.h"
 #include "maps/bed.h"
 #include "geometry/geometry.h"
 #include "geometry/solid.h"

@@ -5,8 +5,8 @@
             points. Values by body or region have two columns: a name, and the value
     HDF5    datasets of these names; `position` holds the places, a row each
 */
-#include "io/csv_table.h"
-#include "io/hdf5_rows.h"
+#include "files/csv_table.h"
+#include "files/hdf5_rows.h"
 #include "ground/ground.h"
 
 static const char *const axes[] = {"x", "y", "z"}, *const numbers[] = {"i", "j", "k"};

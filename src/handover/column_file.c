@@ -2,7 +2,7 @@
   Columns from the file of a depth-averaged run.
 */
 #include "options/options.h"
-#include "io/point_table.h"
+#include "files/point_table.h"
 #include "point/registry.h"
 #include "handover/columns.h"
 

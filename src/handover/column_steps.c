@@ -1,7 +1,7 @@
 /*
   States of a run's file: their times, and those after a given one.
 */
-#include "io/hdf5_rows.h"
+#include "files/hdf5_rows.h"
 #include "handover/columns.h"
 
 #include <stdio.h>

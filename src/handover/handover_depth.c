@@ -3,7 +3,7 @@
 */
 #include "options/options.h"
 #include "grid/grid.h"
-#include "io/point_table.h"
+#include "files/point_table.h"
 #include "point/registry.h"
 #include "handover/handover.h"
 

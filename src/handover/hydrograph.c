@@ -3,7 +3,7 @@
 */
 #include "options/options.h"
 #include "grid/grid.h"
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 #include "maps/map.h"
 #include "maps/outline.h"
 #include "handover/handover.h"

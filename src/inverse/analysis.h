@@ -2,7 +2,7 @@
 /*
   An inverse analysis under way: its iterations, and the best parameters so far.
 */
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 #include "io/io.h"
 #include "query/inverse_settings.h"
 #include "inverse/problem.h"

@@ -17,7 +17,7 @@
 #include <unistd.h>
 #include "base/outcome.h"
 #include "base/base.h"
-#include "io/hdf5_rows.h"
+#include "files/hdf5_rows.h"
 #include "io/io.h"
 
 typedef struct {

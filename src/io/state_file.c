@@ -8,7 +8,7 @@
 */
 #include <string.h>
 #include <petscsf.h>
-#include "io/hdf5_rows.h"
+#include "files/hdf5_rows.h"
 #include "io/io.h"
 #include "io/xdmf.h"
 

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#include "io/hdf5_rows.h"
+#include "files/hdf5_rows.h"
 #include "io/io.h"
 #include "io/vtkhdf.h"
 

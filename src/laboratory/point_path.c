@@ -17,7 +17,7 @@
 #include <string.h>
 #include <strings.h>
 #include "options/options.h"
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 #include "laboratory/point_path.h"
 
 const char *const MpmPathTypes[] = {"isotropic",          "oedometer",       "triaxial_drained",

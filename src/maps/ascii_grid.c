@@ -5,7 +5,7 @@
 #include <errno.h>
 #include <string.h>
 #include <strings.h>
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 #include "maps/ascii_grid.h"
 #include "maps/map_read.h"
 

@@ -2,7 +2,7 @@
 /*
   Materials by the rows of a table (material_table.c).
 */
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 #include "options/database.h"
 #include "options/options.h"
 

@@ -18,7 +18,7 @@
 */
 #include "options/options.h"
 #include "io/io.h"
-#include "io/point_table.h"
+#include "files/point_table.h"
 #include "voxels/row_labels.h"
 #include "point/material.h"
 #include "point/registry.h"

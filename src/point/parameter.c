@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include "options/options.h"
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 #include "point/parameter.h"
 
 #define MESSAGE_LENGTH MPM_CSV_MESSAGE

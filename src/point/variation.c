@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include "options/database.h"
 #include "options/options.h"
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 #include "ground/ground.h"
 #include "point/parameter.h"
 #include "point/variation.h"

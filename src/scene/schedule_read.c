@@ -1,7 +1,7 @@
 /*
   The schedule of a run.
 */
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 #include "options/options.h"
 #include "scene/schedule_read.h"
 

@@ -4,7 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 #include "sensitivity/regularization.h"
 #include "talus/talus.h"
 

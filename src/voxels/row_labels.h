@@ -4,7 +4,7 @@
 */
 #include "base/base.h"
 #include "base/types.h"
-#include "io/point_table.h"
+#include "files/point_table.h"
 
 /* Materials that a body from a file may take. */
 typedef struct MpmRowChoice {

@@ -9,8 +9,8 @@
 */
 #include <ctype.h>
 #include <string.h>
-#include "io/csv_table.h"
-#include "io/hdf5_rows.h"
+#include "files/csv_table.h"
+#include "files/hdf5_rows.h"
 #include "voxels/voxels.h"
 
 #define FAULT(...) PetscFunctionReturn(PetscSNPrintf(message, 512, __VA_ARGS__))

@@ -18,8 +18,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from talus_test import ROOT, Test  # noqa: E402
 
-LAYERS = ("base", "options", "io", "maps", "voxels", "geometry", "ground", "point", "grid", "release", "handover", "particles", "selection", "space", "action", "extension", "transfer", "bc", "assembly", "points", "terrain", "volume", "rigid",
-          "facets", "contact", "pairs", "loads", "problem", "precondition", "levels", "solve", "query", "scene", "entrainment", "step", "integrators", "schedule", "runout", "observe", "stepmap", "watermap", "sensitivity", "laboratory", "checkpoint", "ensemble", "model", "members", "inverse", "run")
+LAYERS = ("base", "options", "files", "io", "maps", "voxels", "geometry", "ground", "point", "grid", "release", "handover", "particles", "selection", "space", "action", "extension", "transfer", "bc", "assembly", "points", "terrain", "volume", "rigid",
+          "facets", "contact", "pairs", "loads", "problem", "precondition", "levels", "solve", "query", "scene", "entrainment", "step", "integrators", "schedule", "geostatic", "runout", "observe", "stepmap", "watermap", "sensitivity", "laboratory", "checkpoint", "ensemble", "model", "members", "inverse", "run")
 KERNELS = ("materials", "physics")
 ENGINE_KERNELS = ("src/point/k0_law.c", "src/point/column_law.c", "src/point/stretch.c")  # compiled like a law, once for each number of directions
 GENERATED = re.compile(r"mpm_\w+\.h")
@@ -279,8 +279,8 @@ def plant(folder, objects):
     add("src/grid/shape.c", '#include "step/step.h"\n')
     add("materials/j2.c", '#include "point/material.h"\n')
     add("src/space/space.h", '#include "grid/grid.h"\n')
-    add("src/io/xdmf.h", '#include "io/hdf5_rows.h"\n')
-    add("src/io/hdf5_rows.h", '#include "io/xdmf.h"\n')
+    add("src/files/stl_file.h", '#include "files/hdf5_rows.h"\n')
+    add("src/files/hdf5_rows.h", '#include "files/stl_file.h"\n')
     for path in sorted((folder / "src").rglob("*.c")):
         if path.parent.name == "model":
             add(path.relative_to(folder), '#include "precondition/pc_band.h"\n')
@@ -305,8 +305,8 @@ def plant(folder, objects):
                        ("water_state", 'strcmp(model->scene.physics.name, "solid")'),
                        ("step_begin", "model->solver.lost"), ("step_trial", "*second = *model")):
         add(f"src/step/{name}.c", f"\nstatic int Named = {line};\n")
-    return objects, (("include", "src/grid/shape.c"), ("include", "materials/j2.c"), ("circle", "src/io/xdmf.h"),
-                     ("circle", "src/io/hdf5_rows.h"), ("share", "src/run/planted.h"), ("share", "src/grid/grid.h"),
+    return objects, (("include", "src/grid/shape.c"), ("include", "materials/j2.c"), ("circle", "src/files/stl_file.h"),
+                     ("circle", "src/files/hdf5_rows.h"), ("share", "src/run/planted.h"), ("share", "src/grid/grid.h"),
                      ("arguments", "src/bc/dirichlet.c"), ("function", "src/bc/node_frames.c"),
                      ("struct", "src/bc/bc.h"), ("file", "src/base/monitor.c"), ("symbol", "src/bc/dirichlet.c"),
                      ("symbol", "physics/solid.c"), ("home", "src/grid/grid.h"),

@@ -4,7 +4,7 @@
 */
 #include "geometry/solid.h"
 #include "geometry/triangles.h"
-#include "io/stl_file.h"
+#include "files/stl_file.h"
 #include "options/options.h"
 #include "unit.h"
 

@@ -10,10 +10,9 @@
 #include <string.h>
 #include <strings.h>
 #include "options/options.h"
-#include "io/csv_table.h"
-#include "io/hdf5_rows.h"
-#include "io/io.h"
-#include "io/point_table.h"
+#include "files/csv_table.h"
+#include "files/hdf5_rows.h"
+#include "files/point_table.h"
 
 #define MESSAGE_LENGTH MPM_CSV_MESSAGE
 #define MATERIAL       "material"

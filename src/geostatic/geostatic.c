@@ -23,8 +23,8 @@
 #include "query/model.h"
 #include "step/energy.h"
 #include "step/moving_grid.h"
-#include "schedule/geostatic.h"
 #include "schedule/schedule.h"
+#include "geostatic/geostatic.h"
 
 static PetscErrorCode RestCreate(MpmModel model, MpmPoints *points, MpmRest *rest)
 {

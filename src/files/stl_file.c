@@ -7,7 +7,7 @@
 
   A file is binary when it is as long as its number of triangles makes it; many of those begin with "solid", too.
 */
-#include "io/stl_file.h"
+#include "files/stl_file.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -1,7 +1,7 @@
 /*
   HDF5 files.
 */
-#include "io/hdf5_rows.h"
+#include "files/hdf5_rows.h"
 
 hid_t MpmHdf5Access(void)
 {

@@ -28,7 +28,7 @@
 #include "query/model.h"
 #include "query/query.h"
 #include "step/step.h"
-#include "schedule/geostatic.h"
+#include "geostatic/geostatic.h"
 
 /* Solves for a balance, and what the stress may still change in the last one, relative to the largest. */
 #define BALANCE_LIMIT     24

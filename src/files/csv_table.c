@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include "io/csv_table.h"
+#include "files/csv_table.h"
 
 /* How the file is written, as far as it has been read. */
 typedef struct {
