@@ -4,12 +4,14 @@
     ranks.py build/talus                            # every example on 7 ranks, the first steps of each stage
     ranks.py build/talus --ranks 4 --steps 20 pipe discs
 
-Each line has an example, its steps, and the largest differences of the last state and of the history's columns: over
-the largest value of the field, or of the columns of one kind. Ends with 1 where a run fails, takes other steps or
-differs by more than 1e-9; with contact 1e-8. Long: by hand. Falls and relaxations of thousands of steps differ by what
-rounding grows to: --steps 1 for relaxation_slope.
+Each line has an example, its steps, and the largest differences of the last state, of the history's columns and of
+other tables: over the largest value of the field, or of the columns of one kind. Input of an example is made first.
+Inverse analyses take one iteration, ensembles two members. Ends with 1 where a run fails, takes other steps or differs
+by more than 1e-9; with contact 1e-8. Long: by hand. Falls and relaxations of thousands of steps differ by what rounding
+grows to: --steps 1 for relaxation_slope.
 """
 import argparse
+import csv
 import os
 import subprocess
 import sys
@@ -31,7 +33,9 @@ PART = 0.01  # of the time of steps that the program chooses, for each step aske
 
 
 def shortened(mpm, steps):
-    """Options that end each stage after about so many steps."""
+    """Options that end each stage after about so many steps, and tasks of several runs after the first ones."""
+    if "task" in mpm:
+        return {"ensemble": {"mpm_ensemble_members": 2}, "inverse": {"mpm_inverse_iterations": 1}}[mpm["task"]]
     options = {}
     blocks = {"mpm_": mpm, **{f"mpm_stage_{name}_": mpm.get(f"stage_{name}") or {}
                               for name in str(mpm.get("stages", "")).split(",") if name}}
@@ -57,13 +61,20 @@ def run(program, path, ranks, options, folder, limit):
     """The results of a run and its status; None and the reason where it fails or hangs."""
     command = command_of(program, path, ranks, {**options, "mpm_output_prefix": folder / f"on{ranks}"})
     try:
-        process = subprocess.run(command, cwd=path.parent, env=ENVIRONMENT, capture_output=True, text=True,
+        process = subprocess.run(command, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True,
                                  timeout=limit, check=False)
     except subprocess.TimeoutExpired:
         return None, f"hangs on {ranks}: {' '.join(command)}"
     if process.returncode not in (0, 3):
         return None, f"status {process.returncode} on {ranks}: {' '.join(command)}\n{process.stderr[-800:]}"
     return Results(folder / f"on{ranks}"), process.returncode
+
+
+def make(name, folder):
+    """Writes the input of an example that comes from a program of its own."""
+    program = ROOT / "examples" / name / "make.py"
+    if program.is_file() and "out/" in (program.parent / "case.yaml").read_text(encoding="utf-8"):
+        subprocess.run([sys.executable, program, folder / "out"], cwd=folder, capture_output=True, check=True)
 
 
 def numbers(text):
@@ -88,6 +99,15 @@ def modulus(mpm):
     return max(found)
 
 
+def weight(mpm, mass):
+    """Of all points, N: what the forces of a scene at rest are made of. A flow's gravity is 9.81 m/s2 unless given."""
+    loads = [mpm.get(f"load_{name}") or {} for name in str(mpm.get("loads", "")).split(",")]
+    values = [numbers(load["value"]) for load in loads if load.get("type") == "gravity"]
+    if mpm.get("physics") == "depth_averaged" and not values:
+        values = [np.array([9.81])]
+    return float(np.sum(mass)) * max((np.linalg.norm(value) for value in values), default=0.0)
+
+
 def difference(one, other, least=0.0):
     """Largest difference over the largest value, or over `least` if that is larger."""
     if np.shape(one) != np.shape(other):
@@ -102,23 +122,50 @@ def kind(column):
     return {"reaction": "force", "angular": "momentum"}.get(first, first)
 
 
-def fields(one, other, stress):
-    """Differences of the fields of the last states; of stresses, over `stress` at least."""
+def fields(one, other, least):
+    """Differences of the fields of the last states; of strains and stresses over what rounding may leave, at least."""
     here, there = one.state("last"), other.state("last")
-    return {name: difference(np.asarray(value), np.asarray(there[name]), stress if name == "stress" else 0.0)
+    return {name: difference(np.asarray(value), np.asarray(there[name]), least.get(name, 0.0))
             for name, value in here.fields.items() if np.issubdtype(np.asarray(value).dtype, np.floating)}
+
+
+def read_table(path):
+    """Columns of a CSV file by name, of numbers or of words."""
+    with open(path, newline="", encoding="utf-8") as file:
+        names, *rows = csv.reader(file)
+    for name, values in zip(names, zip(*rows)):
+        try:
+            yield name, np.array(values, dtype=float)
+        except ValueError:
+            yield name, values
+
+
+def tables(one, other):
+    """Differences of the tables of tasks, column by column; words differ or not."""
+    found = {}
+    for path in sorted(Path(one.prefix).parent.glob(Path(one.prefix).name + "_*.csv")):
+        suffix = path.name[len(Path(one.prefix).name):]
+        if suffix != "_history.csv":
+            there = dict(read_table(other.prefix + suffix))
+            found[suffix[1:-4]] = max(
+                difference(values, there[name]) if isinstance(values, np.ndarray) else float(values != there[name])
+                for name, values in read_table(path))
+    return found
 
 
 def compare(one, other, mpm):
     """The largest differences, by name. What may vanish is measured by what it is made of."""
+    if "task" in mpm:
+        return tables(one, other)
     found, columns, least = {}, {}, {}
     if "grid" in mpm:  # a laboratory has none, and no points
         grid = mpm["grid"]
         cells = (numbers(grid["upper"]) - numbers(grid["lower"])) / numbers(grid["cells"])
-        stress = modulus(mpm) * rounding(mpm) / REACH
-        found = fields(one, other, stress)
-        least["force"] = stress * np.min(cells) ** (len(cells) - 1)
+        strain = rounding(mpm) / REACH
+        stress = modulus(mpm) * strain
+        found = fields(one, other, {"strain": strain, "stress": stress})
         state = one.state("last")
+        least["force"] = max(stress * np.min(cells) ** (len(cells) - 1), weight(mpm, state["mass"]))
         least["track"] = np.max(np.abs(state["displacement"]), initial=0.0)
         if "velocity" in state:
             least["momentum"] = np.sum(np.asarray(state["mass"])[:, None] * np.abs(state["velocity"]))
@@ -143,12 +190,13 @@ def check(program, name, arguments):
     if "grid" in mpm:
         options["mpm_output_every"] = 1000000
     with tempfile.TemporaryDirectory(prefix="talus_") as folder:
+        make(name, Path(folder))
         results, status = zip(*(run(program, path, ranks, options, Path(folder), arguments.limit)
                                 for ranks in (1, arguments.ranks)))
         if None in results or status[0] != status[1]:
             print(f"{name}: FAILED {status[0]}; {status[1]}", flush=True)
             return False
-        steps = [len(result.column("time")) for result in results]
+        steps = [0 if "task" in mpm else len(result.column("time")) for result in results]
         if steps[0] != steps[1]:
             print(f"{name}: FAILED {steps[0]} steps on 1, {steps[1]} on {arguments.ranks}", flush=True)
             return False
