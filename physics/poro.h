@@ -150,7 +150,8 @@ MPM_FN int PoroPermeabilityFactor(const KernelPoint *point, Real grains, Scalar 
 
 /*
   The flux of grad p, -dt V_0 J dF^{-1} m (dF^{-T} grad p - rho_w g), and Darcy's velocity where it is requested; at
-  small strain gradients are those by the initial position. `factor` multiplies the permeability.
+  small strain gradients are those by the initial position, the weight being that of a potential, too: water at rest by
+  the points' places is at rest. `factor` multiplies the permeability.
 */
 MPM_FN void PoroSeepage(const KernelPoint *point, const Tensor *dF, Scalar factor, const Scalar gradient[],
                         Scalar flux[])
@@ -168,9 +169,12 @@ MPM_FN void PoroSeepage(const KernelPoint *point, const Tensor *dF, Scalar facto
   for (int a = 0; a < MPM_DIM; a++) {
     Scalar slope = ScalarConstant(0.), q;
 
-    for (int b = 0; b < MPM_DIM; b++) slope = ScalarAdd(slope, ScalarMul(map.a[a * MPM_DIM + b], gradient[b]));
-    if (!small) slope = ScalarMul(slope, inverse);
-    q = ScalarShift(slope, -density * KernelAt(point, gravity, a));
+    for (int b = 0; b < MPM_DIM; b++) {
+      const Real weight = small ? density * KernelAt(point, gravity, b) : (Real)0.;
+
+      slope = ScalarAdd(slope, ScalarMul(map.a[a * MPM_DIM + b], ScalarShift(gradient[b], -weight)));
+    }
+    q = small ? slope : ScalarShift(ScalarMul(slope, inverse), -density * KernelAt(point, gravity, a));
     q = ScalarScale(KernelAt(point, physics_parameter, PORO_MOBILITY + a), ScalarMul(factor, q));
     for (int b = 0; b < MPM_DIM; b++)
       flux[b] = ScalarAdd(flux[b], ScalarScale(outer, ScalarMul(map.a[a * MPM_DIM + b], q)));

@@ -51,6 +51,8 @@ def slides(test):
         at_rest(test, f"splines_{level}", run, level, balance=1e-4)
     several = test.run(LEVEL, ranks=3, mpm_water_level=2, snes_rtol=1e-12, mpm_time_end=20)
     at_rest(test, "on_3", several, 2.0)
+    small = test.run(LEVEL, snes_rtol=1e-12, mpm_material_sand_type="linear_elastic", mpm_time_end=20)
+    at_rest(test, "small_strain", small, 3.5, balance=1e-2)  # of a small-strain law: relative to the strain
 
 
 def rises(test):
