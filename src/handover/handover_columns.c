@@ -8,13 +8,42 @@
 #include "handover/hydrograph.h"
 #include "handover/window.h"
 
-#define GRAVITY 9.81 /* m/s2 */
+#define GRAVITY 9.81 /* m/s2, in a scene without loads of gravity */
 
 typedef struct {
   char     *file, *step;
   PetscReal spacing, gravity, window[2][2], longest[2]; /* longest: half-length of a base, m */
   PetscBool weight, inflow;
 } Options;
+
+/* The downward acceleration of the scene's gravity loads, m/s2; unchanged where there is none. */
+static PetscErrorCode FindGravity(MPI_Comm comm, PetscReal *gravity)
+{
+  const MpmOptions scene = {comm, "mpm_", NULL};
+  PetscInt         count;
+  PetscReal        sum = 0.;
+  char           **names;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmOptionsNames(&scene, "loads", "", MPM_OPTIONAL, &count, &names));
+  for (PetscInt l = 0; l < count; l++) {
+    PetscReal  value[MPM_MAX_DIM] = {0., 0., 0.};
+    PetscBool  same;
+    char       prefix[256], *type;
+    MpmOptions load = {comm, prefix, NULL};
+
+    PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_load_%s_", names[l]));
+    PetscCall(MpmOptionsText(&load, "type", "", NULL, MPM_OPTIONAL, &type));
+    PetscCall(PetscStrcmp(type ? type : "", "gravity", &same));
+    PetscCall(PetscFree(type));
+    if (!same) continue;
+    PetscCall(MpmOptionsReals(&load, "value", "m/s2", "", MPM_RANGE_ANY, MPM_REQUIRED, MPM_MAX_DIM, value, NULL));
+    sum -= value[MPM_MAX_DIM - 1];
+  }
+  PetscCall(MpmNamesDestroy(count, &names));
+  if (sum > 0.) *gravity = sum;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 /* Options of region columns; defaults: half the height of a cell, and the grid's rectangle as window. */
 static PetscErrorCode ReadOptions(const MpmOptions *block, const MpmGrid *grid, Options *options)
@@ -24,6 +53,7 @@ static PetscErrorCode ReadOptions(const MpmOptions *block, const MpmGrid *grid, 
 
   PetscFunctionBeginUser;
   *options = (Options){.spacing = 0.5 * grid->h[MPM_MAX_DIM - 1], .gravity = GRAVITY};
+  if (!MpmOptionsHelp() && grid->dim == MPM_MAX_DIM) PetscCall(FindGravity(block->comm, &options->gravity));
   for (PetscInt a = 0; a < 2; a++) {
     options->window[0][a] = grid->lower[a];
     options->window[1][a] = grid->upper[a];
@@ -43,7 +73,8 @@ static PetscErrorCode ReadOptions(const MpmOptions *block, const MpmGrid *grid, 
                    "region columns: stress that points start with, by the weight above where the law can have it, "
                    "or none",
                    stresses, MPM_OPTIONAL, &stress, NULL));
-  PetscCall(MpmOptionsReal(block, "gravity", "m/s2", "region columns: of that weight", MPM_RANGE_NON_NEGATIVE,
+  PetscCall(MpmOptionsReal(block, "gravity", "m/s2",
+                           "region columns: of that weight; default that of the scene's loads", MPM_RANGE_NON_NEGATIVE,
                            MPM_OPTIONAL, &options->gravity, NULL));
   PetscCall(MpmOptionsBool(block, "inflow",
                            "region columns: columns that enter the window in later states of the file come in then",

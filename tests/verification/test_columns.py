@@ -112,8 +112,9 @@ def check_waves(test):
     test.check("waves.fill", float(abs(volume - 8 * half.prod(axis=1)).max()), 0, 1e-12 + 1e-4)
     above = bed[column] + deep[column] - x[:, 2]
     test.check("waves.stress", difference(1000 * 9.81 * above / (1 + 0.1 ** 2 + 0.2 ** 2), -state["stress"][:, 2]), 0, 1e-6)
-    other = waves(test, ranks=3)[1]
+    other = waves(test, ranks=3, mpm_load_weight_value="0,0,-1.62")[1]
     test.check("waves.ranks", difference(x, other["position"]), 0, 1e-14)
+    test.check("waves.gravity", difference(1.62 / 9.81 * state["stress"], other["stress"]), 0, 1e-6)
     summary = json.loads(Path(run.prefix + "_summary.json").read_text(encoding="utf-8"))["handover"]["flow"]
     test.near("waves.summary", summary["mass"], float(mass.sum()), relative=1e-13)
     test.check("waves.outside", summary["mass_outside"] / summary["mass"], 0.1, 0.3)
