@@ -173,21 +173,23 @@ static PetscBool Contains(const void *set, const PetscReal x[])
   return MpmRegionContains(*(const MpmRegion *)set, x);
 }
 
-#define SAMPLES 16 /* along each axis */
+#define SAMPLES 16  /* along each axis */
+#define SLICE   1e4 /* a box so thin has one across it */
 
 PetscReal MpmSampledPart(PetscInt dim, PetscBool (*contains)(const void *set, const PetscReal x[]), const void *set,
                          const PetscReal lower[], const PetscReal upper[], PetscReal centroid[])
 {
-  PetscInt  total = 1, inside = 0;
-  PetscReal size = 1., sum[MPM_REGION_DIM] = {0.};
+  PetscInt  total = 1, inside = 0, most[MPM_REGION_DIM] = {1, 1, 1};
+  PetscReal size = 1., sum[MPM_REGION_DIM] = {0.}, longest = 0.;
 
-  for (PetscInt a = 0; a < dim; a++) total *= SAMPLES;
+  for (PetscInt a = 0; a < dim; a++) longest = PetscMax(longest, upper[a] - lower[a]);
+  for (PetscInt a = 0; a < dim; a++) total *= most[a] = upper[a] - lower[a] < longest / SLICE ? 1 : SAMPLES;
   for (PetscInt k = 0; k < total; k++) {
-    const PetscInt sub[MPM_REGION_DIM] = {k % SAMPLES, k / SAMPLES % SAMPLES, k / (SAMPLES * SAMPLES)};
+    const PetscInt sub[MPM_REGION_DIM] = {k % most[0], k / most[0] % most[1], k / (most[0] * most[1])};
     PetscReal      x[MPM_REGION_DIM];
 
     for (PetscInt a = 0; a < dim; a++)
-      x[a] = lower[a] + (upper[a] - lower[a]) * ((PetscReal)sub[a] + 0.5) / (PetscReal)SAMPLES;
+      x[a] = lower[a] + (upper[a] - lower[a]) * ((PetscReal)sub[a] + 0.5) / (PetscReal)most[a];
     if (!contains(set, x)) continue;
     inside++;
     for (PetscInt a = 0; a < dim; a++) sum[a] += x[a];

@@ -99,7 +99,7 @@ PetscErrorCode MpmBodySurfaceCreate(const MpmOptions *options, const char *name,
     "drained or have a pressure",
     prefix);
   surface->loaded = (PetscBool)(traction || normal);
-  surface->cut    = MpmBodyIsCut(bodies->at[surface->body]) ? bodies->at[surface->body] : NULL;
+  surface->cut    = MpmBodyIsCut(bodies->at[surface->body]) ? bodies : NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -6,17 +6,18 @@
 #include "base/base.h"
 #include "base/types.h"
 #include "talus/point/tables.h"
+#include "loads/edge_pieces.h"
 
 /*
   Faces of a body's points that bound the material, on one side of the lattice or on all; or those of any body that
   touch a drained boundary.
 */
 typedef struct {
-  char     *name;
-  PetscInt  body, faces;                   /* body: or -1; faces: bits of those that belong to it (outer_faces.h) */
-  PetscInt  boundary;                      /* index of a drained boundary, or -1 */
-  MpmBody   cut;                           /* the body where its edge cuts boxes (edge: cut); or NULL */
-  MpmRegion region;                        /* of the faces' places in the initial state; NULL: everywhere */
+  char                   *name;
+  PetscInt                body, faces;     /* body: or -1; faces: bits of those that belong to it (outer_faces.h) */
+  PetscInt                boundary;        /* index of a drained boundary, or -1 */
+  const struct MpmBodies *cut;             /* all bodies, where this one's edge cuts boxes (edge: cut); or NULL */
+  MpmRegion               region;          /* of the faces' places in the initial state; NULL: everywhere */
   PetscReal traction[MPM_MAX_DIM], normal; /* Pa on the current faces: a vector; the stress along the outward normal */
   PetscBool loaded;
   MpmRamp   ramp;                  /* of both, and of the pressure where it is given */
@@ -40,18 +41,16 @@ typedef struct {
   PetscReal adjoint[MPM_MAX_DIM];  /* of drained ones: weights of grad phi in the adjoint term (surface_flow.c) */
   PetscReal penalty;
   PetscReal place[MPM_MAX_DIM]; /* of its middle */
-  PetscInt  side;               /* of the point's box: 2 axis + side */
-  PetscReal part;               /* of the side, in the surface's region */
-  PetscReal missing;            /* its share of what the point's box has beyond the point, m^dim */
+  PetscInt  inner;              /* where its point's inner areas at the group's nodes stand (surface_cut.c); -1: none */
   PetscReal water;              /* pressure of the open water at the step's end, Pa: on drained ones */
   PetscReal rest;               /* pressure of water at rest in the ground, Pa: behind drained ones */
 } MpmSurfaceFace;
 
-/* Faces by groups, with their weights; `weights`: as many have room. */
+/* Faces by groups, with their weights; `weights`: as many have room, `used`: as many there are. */
 typedef struct {
-  PetscInt        count, capacity, weights;
+  PetscInt        count, capacity, weights, used;
   MpmSurfaceFace *at;
-  PetscReal      *weight;
+  PetscReal      *weight; /* and inner areas, dim a node */
 } MpmSurfaceFaceList;
 
 /* Those of this rank's points. */
@@ -71,6 +70,8 @@ typedef struct MpmSurfaceFaces {
   const MpmKernelSet    *kernel;    /* of the physics without means over cells */
   PetscInt               component; /* of a node's unknowns: the pressure; -1: there is none */
   MpmSurfaceFaceList     list;
+  MpmEdgePieces         *pieces;  /* by surface, of bodies whose edge is cut */
+  PetscBool             *present; /* by body, whether it has points; of scenes with those */
 } MpmSurfaceFaces;
 
 /* `layout` is that of the scene's physics; tolerances of regions by axis, m. */
@@ -86,8 +87,6 @@ PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadAct
 PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces);
 /* Finds the step's faces and their weights (a term's `boxes`). Collective. */
 PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space);
-/* Moves faces of points at cut edges to those of their boxes, and finds what is missing there (surface_cut.c). */
-PetscErrorCode MpmSurfaceFacesToBoxes(MpmSurfaceFaces *faces, const MpmPoints *points, const MpmSpace *space);
 /* Marks the local nodes at which water passes faces, those of ghosts at their owners; others become 0. */
 PetscErrorCode MpmSurfaceFlowMark(const MpmSurfaceFaces *faces, const MpmSpace *space, PetscReal mark[]);
 /*
@@ -101,7 +100,7 @@ PetscBool MpmBodySurfaceIsAll(const MpmBodySurface *surface, PetscInt dim);
 /* Adds the flow in the step that u ends; before the points take it over. Collective. */
 PetscErrorCode MpmSurfaceFlowCommit(MpmSurfaceFaces *faces, const MpmSum *sum, const PetscReal u[]);
 /* Refuses surfaces that act, and whose bodies are there, without a face. Collective. */
-PetscErrorCode       MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,
-                                          MpmParticles *particles);
+PetscErrorCode MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting, const MpmGrid *grid,
+                                    MpmParticles *particles);
 extern const MpmTerm MpmTermSurfaces;    /* loads on them (surface_load.c); ctx: MpmSurfaceFaces */
 extern const MpmTerm MpmTermSurfaceFlow; /* water that passes (surface_flow.c); likewise */

@@ -1,126 +1,214 @@
 /*
   Faces of bodies whose edge cuts the boxes of their points (`edge: cut`, particles/body_edge.c).
 
-  A point stands for the part of a box and of boxes beside it: at the centroid, with the part's volume V. Faces that
-  bound the material are those of the boxes; they stand where the boxes stand, at b from the point's own, with
+  A point stands for the parts of boxes at their centroid X. The pieces of the true surface in these boxes
+  (edge_pieces.c), of the area A about the place Y, are faces of the point: of the area a = cof(F) A, with the weights
 
-    w_i(y + b) = w_i(y) + b . grad w_i ,   m = V_box - V
+    w_i(y) + b . grad w_i(y) ,   b = F (Y - X)
 
-  Work of the faces under a normal stress s in a uniform strain is that of s in the boxes. With s in what is missing
-  taken off, s m (surface_load.c), it is that of s in the points: a uniform stress is in balance.
-
-  A point has several faces; the missing part is shared by how far they face it. A traction t acts at the true surface,
-  m/A before the box's face of the area A: up to there t balances t n.
+  and the work of their load in a uniform strain is exact. A surface on one side has what faces there of the pieces
+  within a box, as projected to that side, and sides of the box itself. Pieces bound the material where the lattice of
+  points ends on a side that they face.
 */
 #include "grid/grid.h"
+#include "grid/shape.h"
 #include "facets/outer_faces.h"
 #include "particles/body.h"
 #include "particles/points.h"
 #include "space/point_shape.h"
+#include "space/rules.h"
 #include "space/space.h"
-#include "loads/body_surface.h"
+#include "loads/load.h"
+#include "loads/surface_cut.h"
 
-#define WHOLE 1e-9 /* of a box: a shift of its point that is none */
+#define FACING 1e-3  /* of a piece's area, to a side that it faces */
+#define LEAST  1e-12 /* a weight that is none */
 
-/* The box of a point that stands for a part of it. */
-typedef struct {
-  PetscReal back[MPM_MAX_DIM];   /* from the point to the box's middle, m */
-  PetscReal missing;             /* volume of the box less that of the point, m^dim or of a full turn */
-  PetscReal toward[MPM_MAX_DIM]; /* direction in which that lies, half-lengths, as of the start */
-} CutBox;
-
-/* Nothing where the point stands in the middle of its box, or is a part of a divided one. */
-static void FindCutBox(const MpmBody body, PetscInt dim, const MpmPoints *points, PetscInt p, CutBox *box)
+PetscErrorCode MpmSurfaceCutPoint(const MpmBodySurface *surface, MpmEdgePieces *pieces, const MpmGrid *grid,
+                                  const MpmPoints *points, PetscInt p, PetscInt *outer, const MpmEdgePoint **cut)
 {
-  const double  *F    = MpmPointF(points, p);
-  PetscReal      full = 1., start[MPM_MAX_DIM] = {0., 0., 0.}, most = 0., radius = 0.;
-  PetscInt       divisions = 0;
-  MpmBodyLattice lattice;
-
-  MpmBodyGetLattice(body, &lattice);
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscReal at     = (points->origin[p * dim + a] - lattice.lower[a]) / lattice.spacing[a],
-                    middle = lattice.lower[a] + (PetscFloorReal(at) + 0.5) * lattice.spacing[a];
-
-    divisions += MpmPointDivisions(points, p, a);
-    full *= 2. * points->domain.half_length[p * dim + a];
-    start[a] = (middle - points->origin[p * dim + a]) * MpmPointReference(points, dim, p, a);
-    most     = PetscMax(most, PetscAbsReal(middle - points->origin[p * dim + a]) / lattice.spacing[a]);
-    if (!a) radius = middle;
-  }
-  *box = (CutBox){.missing = 0.};
-  if (divisions || most < WHOLE) return;
-  box->missing = (full * MpmTurn(points->F_size, radius) - points->volume0[p]) * MpmPointJ(points, p);
-  for (PetscInt a = 0; a < dim; a++) {
-    box->toward[a] = (box->missing > 0. ? 1. : -1.) * start[a] / points->domain.half_length[p * dim + a];
-    for (PetscInt b = 0; b < dim; b++) box->back[a] += F[a * dim + b] * start[b];
-  }
-}
-
-/* The share of a face, 2 axis + side, in what is missing: by how far it faces there, among faces that bound it. */
-static PetscReal ShareOfMissing(const CutBox *box, PetscInt dim, PetscInt bounds, PetscInt face)
-{
-  PetscReal sum = 0., own = 0.;
-
-  for (PetscInt f = 0; f < 2 * dim; f++) {
-    const PetscReal part = PetscMax((f % 2 ? 1. : -1.) * box->toward[f / 2], 0.);
-
-    if (!(bounds & MpmFaceBit(f / 2, f % 2))) continue;
-    sum += part;
-    if (f == face) own = part;
-  }
-  return sum > 0. ? own / sum : 0.;
-}
-
-static void Move(const PetscReal by[], const MpmPoints *points, const MpmSpace *space, const MpmBasis *basis,
-                 MpmSurfaceFace *face, PetscReal weight[])
-{
-  const PetscReal before = MpmTurn(points->F_size, face->place[0]);
-
-  for (PetscInt i = 0; i < space->groups[face->group].node_count; i++)
-    weight[i] += MpmBasisSlope(basis, space->dim, i, by);
-  for (PetscInt a = 0; a < space->dim; a++) face->place[a] += by[a];
-  for (PetscInt a = 0; a < space->dim; a++) {
-    face->area[a] *= MpmTurn(points->F_size, face->place[0]) / before;
-    face->per_area[a] *= MpmTurn(points->F_size, face->place[0]) / before;
-  }
-}
-
-static void MoveFace(const CutBox *box, const MpmBodySurface *surface, const MpmPoints *points, const MpmSpace *space,
-                     const MpmBasis *basis, MpmSurfaceFace *face, PetscReal weight[])
-{
-  PetscReal square = 0., by[MPM_MAX_DIM] = {0., 0., 0.};
-
-  Move(box->back, points, space, basis, face, weight);
-  face->missing =
-    face->part * box->missing * ShareOfMissing(box, space->dim, points->domain.faces[face->point], face->side);
-  if (!surface->loaded || surface->normal != 0. || surface->drained) return;
-  for (PetscInt a = 0; a < space->dim; a++) square += PetscSqr(face->area[a]);
-  for (PetscInt a = 0; a < space->dim && square > 0.; a++) by[a] = -face->missing * face->area[a] / square;
-  Move(by, points, space, basis, face, weight);
-  face->missing = 0.;
-}
-
-PetscErrorCode MpmSurfaceFacesToBoxes(MpmSurfaceFaces *faces, const MpmPoints *points, const MpmSpace *space)
-{
-  MpmBasis  basis;
-  PetscBool any = PETSC_FALSE;
+  const MpmEdgeAsked asked     = {surface->cut, surface->body, surface->region, surface->held};
+  PetscInt           divisions = 0;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < faces->surfaces->count; k++) any = (PetscBool)(any || faces->surfaces->at[k].cut);
-  if (!any) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmBasisCreate(space, &basis));
-  for (PetscInt k = 0; k < faces->list.count; k++) {
-    MpmSurfaceFace       *face    = &faces->list.at[k];
-    const MpmBodySurface *surface = &faces->surfaces->at[face->surface];
-    CutBox                box;
-
-    if (!surface->cut) continue;
-    FindCutBox(surface->cut, space->dim, points, face->point, &box);
-    if (box.missing == 0.) continue;
-    MpmSpaceEvaluate(space, &space->groups[face->group], face->point, &basis);
-    MoveFace(&box, surface, points, space, &basis, face, &faces->list.weight[face->weight]);
-  }
-  PetscCall(MpmBasisDestroy(&basis));
+  *cut = NULL;
+  for (PetscInt a = 0; a < grid->dim && surface->cut; a++) divisions += MpmPointDivisions(points, p, a);
+  if (!surface->cut || divisions) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmEdgePiecesGet(pieces, &asked, grid, points, p, cut));
+  if (!(*cut)->whole) PetscFunctionReturn(PETSC_SUCCESS);
+  *outer &= ~(*cut)->given;
+  *cut = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSurfaceCutPresent(MpmSurfaceFaces *faces, const MpmPoints *points, MPI_Comm comm)
+{
+  const MpmBodies *bodies = NULL;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = 0; k < faces->surfaces->count; k++)
+    if (faces->surfaces->at[k].cut && faces->acting[k].active) bodies = faces->surfaces->at[k].cut;
+  if (!bodies || bodies->count < 2) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!faces->present) PetscCall(PetscMalloc1(bodies->count, &faces->present));
+  for (PetscInt b = 0; b < bodies->count; b++) {
+    PetscInt first, end;
+
+    MpmBodyGetIds(bodies->at[b], &first, &end);
+    faces->present[b] = PETSC_FALSE;
+    for (PetscInt p = 0; p < points->count && !faces->present[b]; p++)
+      faces->present[b] = (PetscBool)(points->id[p] >= first && points->id[p] < end);
+  }
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, faces->present, (PetscMPIInt)bodies->count, MPM_MPI_BOOL, MPI_LOR, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* True where another body of the same part stands behind a piece. */
+static PetscBool IsCovered(const MpmSurfaceFaces *faces, const MpmBodySurface *surface, const MpmEdgePiece *piece)
+{
+  return (PetscBool)(piece->behind >= 0 && faces->present[piece->behind] &&
+                     (!surface->cut->part || surface->cut->part[piece->behind] == surface->cut->part[surface->body]));
+}
+
+PetscBool MpmSurfacePieceArea(const MpmBodySurface *surface, const MpmEdgePiece *piece, PetscInt dim, PetscInt outer,
+                              PetscReal area[])
+{
+  const PetscInt  all = (1 << (2 * dim)) - 1, bounds = outer & surface->faces;
+  PetscReal       sum = 0., square = 0.;
+  const PetscBool bent = (PetscBool)(surface->loaded && surface->normal == 0.);
+
+  for (PetscInt a = 0; a < dim; a++) area[a] = 0.;
+  if (piece->inner || (piece->side >= 0 && !(bounds & (1 << piece->side)))) return PETSC_FALSE;
+  for (PetscInt f = 0; f < 2 * dim; f++)
+    if (bounds & (1 << f)) sum += piece->onto[f];
+  if (!(sum > FACING * piece->size)) return PETSC_FALSE;
+  for (PetscInt a = 0; a < dim; a++) {
+    if (surface->faces == all) area[a] = piece->area[a];
+    else
+      for (PetscInt side = 0; side < 2; side++)
+        if (surface->faces & MpmFaceBit(a, side)) area[a] += (side ? 1. : -1.) * piece->onto[2 * a + side];
+    square += PetscSqr(area[a]);
+  }
+  for (PetscInt a = 0; a < dim && bent && surface->faces == all && square > 0.; a++)
+    area[a] *= piece->size / PetscSqrtReal(square);
+  return (PetscBool)(square > 0.);
+}
+
+/* Where a place that was drawn beside a point is. */
+static void PlaceOf(const MpmPoints *points, PetscInt dim, PetscInt p, const PetscReal drawn[], PetscReal place[])
+{
+  const PetscReal *F = MpmPointF(points, p);
+
+  for (PetscInt a = 0; a < dim; a++) {
+    place[a] = points->x[p * dim + a];
+    for (PetscInt b = 0; b < dim; b++) place[a] += F[a * dim + b] * (drawn[b] - points->origin[p * dim + b]);
+  }
+}
+
+/* cof(F) A */
+static void AreaOf(const MpmPoints *points, PetscInt dim, PetscInt p, const PetscReal drawn[], PetscReal area[])
+{
+  const PetscReal half[MPM_MAX_DIM] = {0.5, 0.5, 0.5};
+
+  for (PetscInt a = 0; a < dim; a++) area[a] = 0.;
+  for (PetscInt axis = 0; axis < dim; axis++) {
+    PetscReal arm[MPM_MAX_DIM], one[MPM_MAX_DIM] = {0., 0., 0.};
+
+    MpmOuterFace(dim, MpmPointF(points, p), half, axis, 1, arm, one);
+    for (PetscInt a = 0; a < dim; a++) area[a] += drawn[axis] * one[a];
+  }
+}
+
+PetscBool MpmSurfaceCutFace(const MpmSurfaceFaces *faces, const MpmEdgePiece *piece, const MpmPoints *points,
+                            PetscInt dim, PetscInt outer, MpmSurfaceFace *face)
+{
+  const MpmBodySurface *surface = &faces->surfaces->at[face->surface];
+  PetscReal             drawn[MPM_MAX_DIM];
+
+  if (IsCovered(faces, surface, piece) || !MpmSurfacePieceArea(surface, piece, dim, outer, drawn)) return PETSC_FALSE;
+  PlaceOf(points, dim, face->point, piece->place, face->place);
+  AreaOf(points, dim, face->point, drawn, face->area);
+  return PETSC_TRUE;
+}
+
+void MpmSurfaceCutWeights(const MpmFaceSpace *at, const MpmSurfaceFace *face, PetscReal weight[])
+{
+  const PetscInt  dim               = at->space->dim;
+  const MpmGroup *group             = &at->space->groups[face->group];
+  PetscReal       away[MPM_MAX_DIM] = {0., 0., 0.};
+
+  MpmSpaceEvaluate(at->space, group, face->point, at->basis);
+  for (PetscInt a = 0; a < dim; a++) away[a] = face->place[a] - at->points->x[face->point * dim + a];
+  for (PetscInt i = 0; i < group->node_count; i++)
+    weight[i] = MpmBasisWeights(at->basis)[i] + MpmBasisSlope(at->basis, dim, i, away);
+}
+
+/* ---- sides with material beyond ---- */
+
+/* Weights of a side's part at the group's nodes, as those of a domain that has it as its face: of its place across and
+   its mean along; PETSC_FALSE where other nodes have one, too. */
+static PetscBool SideWeights(const MpmFaceSpace *where, const MpmEdgePiece *piece, const MpmSurfaceFace *face,
+                             const PetscReal place[], PetscReal weight[])
+{
+  const MpmRules  *rules  = where->rules;
+  const MpmPoints *points = where->points;
+  const MpmSpace  *space  = where->space;
+  const MpmGrid   *grid   = rules->grid;
+  const MpmGroup  *group  = &space->groups[face->group];
+  const PetscInt   dim = space->dim, p                                 = face->point;
+  PetscReal        line[MPM_MAX_DIM][MPM_MAX_WIDTH], half[MPM_MAX_DIM] = {0., 0., 0.}, full = 1.;
+  PetscInt         lower[MPM_MAX_DIM], upper[MPM_MAX_DIM];
+
+  if (MpmShapeHasDomain(rules->shape) && !MpmSpaceHalfLengths(rules, points, p, half)) return PETSC_FALSE;
+  for (PetscInt a = 0; a < dim; a++)
+    if (a != piece->side / 2) full *= 2. * points->domain.drawn[p * dim + a];
+  MpmSpaceEdges(rules, &points->x[p * dim], lower, upper);
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscInt  shift = a == dim - 1 ? MpmSpaceShift(space, points->domain.part, p) : 0;
+    const PetscReal xi    = (place[a] - grid->lower[a]) / grid->h[a];
+    const PetscReal part  = PetscPowReal(piece->size / full, 1. / (PetscReal)(dim - 1));
+    PetscReal       there[MPM_MAX_WIDTH], unused[MPM_MAX_WIDTH];
+    MpmShapeLine    at = {.weight = there, .gradient = unused};
+
+    if (xi < (PetscReal)lower[a] || xi > (PetscReal)upper[a]) return PETSC_FALSE;
+    MpmShapeEvaluate(rules->shape, rules->edge, xi, a == piece->side / 2 ? 0. : part * half[a], lower[a], upper[a],
+                     &at);
+    for (PetscInt i = 0; i < group->count[a]; i++) line[a][i] = 0.;
+    for (PetscInt i = 0; i < at.count; i++) {
+      const PetscInt k = at.first + shift + i - group->first[a];
+
+      if (k >= 0 && k < group->count[a]) line[a][k] = there[i];
+      else if (PetscAbsReal(there[i]) > LEAST) return PETSC_FALSE;
+    }
+  }
+  MpmLinesMultiply(dim, group, line, weight);
+  return PETSC_TRUE;
+}
+
+PetscBool MpmSurfaceCutInner(const MpmFaceSpace *at, const MpmEdgePieces *pieces, const MpmEdgePoint *cut,
+                             PetscReal loaded, const MpmSurfaceFace *face, PetscReal area[])
+{
+  const MpmPoints *points = at->points;
+  const PetscInt   dim = at->space->dim, p = face->point, nodes = at->space->groups[face->group].node_count;
+  PetscReal       *weight = &area[nodes * dim];
+  PetscBool        any    = PETSC_FALSE;
+
+  for (PetscInt i = 0; i < nodes * dim; i++) area[i] = 0.;
+  for (PetscInt k = cut->first; k < cut->first + cut->count && loaded > 0.; k++) {
+    const MpmEdgePiece *piece  = &pieces->at[k];
+    PetscReal own[MPM_MAX_DIM] = {0., 0., 0.}, place[MPM_MAX_DIM] = {0., 0., 0.}, away[MPM_MAX_DIM] = {0., 0., 0.};
+
+    if (!piece->inner) continue;
+    PlaceOf(points, dim, p, piece->place, place);
+    AreaOf(points, dim, p, piece->area, own);
+    for (PetscInt a = 0; a < dim; a++) away[a] = place[a] - points->x[p * dim + a];
+    if (!SideWeights(at, piece, face, place, weight)) continue;
+    any = PETSC_TRUE;
+    for (PetscInt i = 0; i < nodes; i++) {
+      const PetscReal more = MpmBasisAt(at->basis, 0, i) + MpmBasisSlope(at->basis, dim, i, away) - weight[i];
+
+      for (PetscInt a = 0; a < dim; a++)
+        area[i * dim + a] += loaded / cut->size * more * MpmTurn(points->F_size, place[0]) * own[a];
+    }
+  }
+  return any;
 }

@@ -18,6 +18,7 @@
 #include "contact/contact.h"
 #include "loads/body_surface.h"
 #include "loads/load.h"
+#include "loads/surface_cut.h"
 
 PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadActing *acting, MpmSurfaceFaces *faces)
 {
@@ -25,6 +26,7 @@ PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadAct
   *faces = (MpmSurfaceFaces){.surfaces = surfaces, .acting = acting, .component = -1};
   PetscCall(PetscCalloc4(surfaces->count, &faces->factor, surfaces->count, &faces->pressure, surfaces->count,
                          &faces->outflow, surfaces->count, &faces->first));
+  PetscCall(PetscCalloc1(surfaces->count, &faces->pieces));
   for (PetscInt k = 0; k < surfaces->count; k++) faces->any_held = (PetscBool)(faces->any_held || surfaces->at[k].held);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -33,6 +35,10 @@ PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree4(faces->factor, faces->pressure, faces->outflow, faces->first));
+  for (PetscInt k = 0; faces->pieces && k < faces->surfaces->count; k++)
+    PetscCall(MpmEdgePiecesDestroy(&faces->pieces[k]));
+  PetscCall(PetscFree(faces->pieces));
+  PetscCall(PetscFree(faces->present));
   PetscCall(PetscFree(faces->list.at));
   PetscCall(PetscFree(faces->list.weight));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -112,34 +118,21 @@ static PetscBool Touches(const MpmSurfaceFaces *faces, PetscInt surface, const M
   return (PetscBool)(along < 0. && there.distance <= reach);
 }
 
-#define SAMPLES 16 /* places across a face, an axis */
-
-/*
-  The part of a face that lies in the surface's region, by its place in the initial state, from evenly spread places.
-  Water passes all of a face, or none.
-*/
+/* The part of a face that lies in the surface's region, by its place in the initial state. Water passes all of a face,
+   or none. */
 static PetscReal PartInRegion(const MpmBodySurface *surface, PetscInt dim, const MpmPoints *points, PetscInt p,
                               PetscInt face)
 {
-  const PetscInt axis = face / 2, along[2] = {(axis + 1) % dim, (axis + 2) % dim},
-                 count     = PetscPowInt(SAMPLES, dim - 1);
-  PetscReal x[MPM_MAX_DIM] = {0., 0., 0.};
-  PetscInt  inside         = 0;
+  const PetscInt axis = face / 2, u = (axis + 1) % dim, v = (axis + 2) % dim;
+  PetscReal      x[MPM_MAX_DIM] = {0., 0., 0.}, along[2][MPM_MAX_DIM] = {{0.}}, part;
 
   if (!surface->region) return 1.;
   for (PetscInt a = 0; a < dim; a++) x[a] = points->origin[p * dim + a];
   x[axis] += (face % 2 ? 1. : -1.) * points->domain.half_length[p * dim + axis];
-  for (PetscInt k = 0; k < count; k++) {
-    for (PetscInt d = 0; d < dim - 1; d++) {
-      const PetscInt a = along[d], q = d ? k / SAMPLES : k % SAMPLES;
-
-      x[a] = points->origin[p * dim + a] +
-             points->domain.half_length[p * dim + a] * ((2. * (PetscReal)q + 1.) / (PetscReal)SAMPLES - 1.);
-    }
-    inside += MpmRegionContains(surface->region, x) ? 1 : 0;
-  }
-  if (surface->held) return 2 * inside >= count ? 1. : 0.;
-  return (PetscReal)inside / (PetscReal)count;
+  along[0][u] = points->domain.half_length[p * dim + u];
+  along[1][v] = points->domain.half_length[p * dim + v];
+  part        = MpmFlatPart(surface->region, dim, along[0], along[1], x);
+  return !surface->held ? part : part < 0.5 ? 0. : 1.;
 }
 
 PetscBool MpmBodySurfaceIsAll(const MpmBodySurface *surface, PetscInt dim)
@@ -151,11 +144,11 @@ PetscBool MpmBodySurfaceIsAll(const MpmBodySurface *surface, PetscInt dim)
 #define NEAR 0.5 /* of a point's distance: a face so near a plane of nodes lies on it */
 
 /*
-  The first active condition that constrains the material along the normal of a face of point p, 2 axis + side, at its
-  middle, -1: none. Such a face of a surface on all sides lies on a plane of symmetry and is left out.
+  The first active condition that constrains the material along the normal of a face of point p, 2 axis + side, at a
+  place, NULL: its middle; -1: none. Such a face of a surface on all sides lies on a plane of symmetry and is left out.
 */
 static PetscInt FaceHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, const MpmPoints *points, PetscInt p,
-                         PetscInt face)
+                         PetscInt face, const PetscReal place[])
 {
   const PetscInt dim = grid->dim;
   PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM] = {0., 0., 0.}, at[MPM_MAX_DIM], start[MPM_MAX_DIM];
@@ -166,7 +159,7 @@ static PetscInt FaceHeld(const MpmSurfaceFaces *faces, const MpmGrid *grid, cons
   for (PetscInt a = 1; a < dim; a++)
     if (PetscAbsReal(area[a]) > PetscAbsReal(area[axis])) axis = a;
   for (PetscInt a = 0; a < dim; a++) {
-    at[a] = points->x[p * dim + a] + arm[a];
+    at[a] = place ? place[a] : points->x[p * dim + a] + arm[a];
     if (a != axis) across = PetscMax(across, PetscAbsReal(area[a]));
   }
   if (across > SKEW * PetscAbsReal(area[axis])) return -1;
@@ -194,7 +187,7 @@ PetscErrorCode MpmSurfaceFacesFindHeld(const MpmSurfaceFaces *faces, const MpmGr
     PetscInt       b;
 
     if (!Has(faces, surface, points.id[p]) || !(points.domain.faces[p] & MpmFaceBit(face / 2, face % 2))) continue;
-    b = FaceHeld(faces, grid, &points, p, face);
+    b = FaceHeld(faces, grid, &points, p, face, NULL);
     if (b >= 0) held[b] = 1;
   }
   PetscCall(MpmParticlesRestoreArrays(particles, &points));
@@ -202,72 +195,158 @@ PetscErrorCode MpmSurfaceFacesFindHeld(const MpmSurfaceFaces *faces, const MpmGr
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The faces of point p among the bits `outer`; `used`: weights that there are. */
-static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmRules *rules, const MpmPoints *points,
-                                   const MpmSpace *space, const MpmFacet *start, PetscInt outer, PetscInt *used)
+/* Adds a face of which area and place are known, without axial symmetry; its weights are those of the facet, NULL:
+   those of a piece. */
+static PetscErrorCode AddFace(MpmSurfaceFaces *faces, const MpmFaceSpace *at, MpmSurfaceFace *face,
+                              const MpmFacet *facet)
 {
-  const PetscInt  dim = space->dim, p = start->point, nodes = space->groups[start->group].node_count;
-  const PetscReal volume = points->volume0[p] * MpmPointJ(points, p);
-  PetscInt        held   = 0; /* where water passes a surface; it passes once */
+  const MpmPoints *points = at->points;
+  const PetscReal  turn   = MpmTurn(points->F_size, face->place[0]),
+                  volume  = points->volume0[face->point] * MpmPointJ(points, face->point);
+  const PetscInt used     = faces->list.used;
 
   PetscFunctionBeginUser;
-  for (PetscInt k = 0; k < 2 * dim * faces->surfaces->count; k++) {
-    const PetscInt surface = k / (2 * dim), face = k % (2 * dim), bit = MpmFaceBit(face / 2, face % 2);
-    MpmFacet       facet = *start;
-    PetscReal      arm[MPM_MAX_DIM], area[MPM_MAX_DIM] = {0., 0., 0.}, part;
+  PetscCall(Reserve(faces, used + at->space->groups[face->group].node_count));
+  face->weight = used;
+  if (facet) FaceWeights(at->rules, at->space, points, facet, &faces->list.weight[used]);
+  else MpmSurfaceCutWeights(at, face, &faces->list.weight[used]);
+  for (PetscInt a = 0; a < at->space->dim; a++) {
+    face->area[a] *= turn;
+    face->per_area[a] = face->area[a] / volume;
+  }
+  faces->list.at[faces->list.count++] = *face;
+  faces->list.used += at->space->groups[face->group].node_count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    if (!(outer & faces->surfaces->at[surface].faces & bit) || !Has(faces, surface, points->id[p])) continue;
-    if (faces->surfaces->at[surface].boundary >= 0 && (held & bit)) continue;
-    part = PartInRegion(&faces->surfaces->at[surface], dim, points, p, face);
+/* True where the face is on a plane of symmetry of a surface on all sides. */
+static PetscBool OnSymmetry(const MpmSurfaceFaces *faces, const MpmFaceSpace *at, PetscInt surface, PetscInt p,
+                            PetscInt face, const PetscReal place[])
+{
+  return (PetscBool)(faces->bcs && MpmBodySurfaceIsAll(&faces->surfaces->at[surface], at->space->dim) &&
+                     FaceHeld(faces, at->rules->grid, at->points, p, face, place) >= 0);
+}
+
+/* The inner areas of a point at a cut edge, to one of its faces. */
+static PetscErrorCode AddInner(MpmSurfaceFaces *faces, const MpmFaceSpace *at, const MpmEdgePoint *cut,
+                               PetscReal loaded, MpmSurfaceFace *face)
+{
+  const PetscInt nodes = at->space->groups[face->group].node_count, room = at->space->dim * nodes;
+
+  PetscFunctionBeginUser;
+  PetscCall(Reserve(faces, faces->list.used + room + nodes));
+  if (!MpmSurfaceCutInner(at, &faces->pieces[face->surface], cut, loaded, face, &faces->list.weight[faces->list.used]))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  face->inner = faces->list.used;
+  faces->list.used += room;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The faces of a point at a cut edge. */
+static PetscErrorCode FacesOfCut(MpmSurfaceFaces *faces, const MpmFaceSpace *at, PetscInt surface,
+                                 const MpmFacet *start, PetscInt outer, const MpmEdgePoint *cut)
+{
+  const PetscInt first  = faces->list.count;
+  PetscReal      loaded = 0.;
+
+  PetscFunctionBeginUser;
+  for (PetscInt k = cut->first; k < cut->first + cut->count; k++) {
+    const MpmEdgePiece *piece = &faces->pieces[surface].at[k];
+    MpmSurfaceFace      face  = {.surface = surface, .point = start->point, .group = start->group, .inner = -1};
+
+    if (!MpmSurfaceCutFace(faces, piece, at->points, at->space->dim, outer, &face)) continue;
+    if (piece->side >= 0 && OnSymmetry(faces, at, surface, start->point, piece->side, face.place)) continue;
+    loaded += piece->size;
+    PetscCall(AddFace(faces, at, &face, NULL));
+  }
+  if (faces->list.count > first) PetscCall(AddInner(faces, at, cut, loaded, &faces->list.at[first]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The faces of a surface that point p has among the bits `outer`; `held`: those where water passes another. */
+static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmFaceSpace *at, PetscInt surface,
+                                   const MpmFacet *start, PetscInt outer, PetscInt *held)
+{
+  const PetscInt      dim = at->space->dim, p = start->point;
+  const MpmEdgePoint *cut;
+
+  PetscFunctionBeginUser;
+  if (!(outer & faces->surfaces->at[surface].faces) || !Has(faces, surface, at->points->id[p]))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSurfaceCutPoint(&faces->surfaces->at[surface], &faces->pieces[surface], at->rules->grid, at->points, p,
+                               &outer, &cut));
+  if (cut) PetscFunctionReturn(FacesOfCut(faces, at, surface, start, outer, cut));
+  for (PetscInt side = 0; side < 2 * dim; side++) {
+    const PetscInt bit   = MpmFaceBit(side / 2, side % 2);
+    MpmFacet       facet = *start;
+    MpmSurfaceFace face  = {.surface = surface, .point = p, .group = start->group, .inner = -1};
+    PetscReal      arm[MPM_MAX_DIM], part;
+
+    if (!(outer & faces->surfaces->at[surface].faces & bit)) continue;
+    if (faces->surfaces->at[surface].boundary >= 0 && (*held & bit)) continue;
+    part = PartInRegion(&faces->surfaces->at[surface], dim, at->points, p, side);
     if (!(part > 0.)) continue;
-    MpmOuterFace(dim, MpmPointF(points, p), &points->domain.half_length[p * dim], face / 2, face % 2, arm, area);
-    for (PetscInt a = 0; a < dim; a++) facet.place[a] = points->x[p * dim + a] + arm[a];
-    if (!Touches(faces, surface, points, p, facet.place, area)) continue;
-    if (faces->bcs && MpmBodySurfaceIsAll(&faces->surfaces->at[surface], dim) &&
-        FaceHeld(faces, rules->grid, points, p, face) >= 0)
-      continue;
-    if (faces->surfaces->at[surface].held) held |= bit;
-    PetscCall(Reserve(faces, *used + nodes));
-    FaceWeights(rules, space, points, &facet, &faces->list.weight[*used]);
-    faces->list.at[faces->list.count] = (MpmSurfaceFace){
-      .surface = surface, .point = p, .group = start->group, .weight = *used, .side = face, .part = part};
-    part *= MpmTurn(points->F_size, facet.place[0]);
-    for (PetscInt a = 0; a < dim; a++) {
-      faces->list.at[faces->list.count].place[a]    = facet.place[a];
-      faces->list.at[faces->list.count].area[a]     = part * area[a];
-      faces->list.at[faces->list.count].per_area[a] = part * area[a] / volume;
-    }
-    faces->list.count++;
-    *used += nodes;
+    MpmOuterFace(dim, MpmPointF(at->points, p), &at->points->domain.half_length[p * dim], side / 2, side % 2, arm,
+                 face.area);
+    for (PetscInt a = 0; a < dim; a++) facet.place[a] = face.place[a] = at->points->x[p * dim + a] + arm[a];
+    if (!Touches(faces, surface, at->points, p, facet.place, face.area)) continue;
+    if (OnSymmetry(faces, at, surface, p, side, NULL)) continue;
+    if (faces->surfaces->at[surface].held) *held |= bit;
+    for (PetscInt a = 0; a < dim; a++) face.area[a] *= part;
+    PetscCall(AddFace(faces, at, &face, &facet));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSurfaceFacesFind(void *ctx, const MpmRules *rules, const MpmPoints *points, MpmSpace *space)
 {
-  MpmSurfaceFaces *faces = (MpmSurfaceFaces *)ctx;
-  PetscBool        any   = PETSC_FALSE;
-  PetscInt        *outer, used = 0;
+  MpmSurfaceFaces   *faces = (MpmSurfaceFaces *)ctx;
+  PetscBool          any   = PETSC_FALSE;
+  PetscInt          *outer;
+  MpmBasis           basis;
+  const MpmFaceSpace at = {rules, space, points, &basis};
 
   PetscFunctionBeginUser;
-  faces->list.count = 0;
+  faces->list.count = faces->list.used = 0;
   for (PetscInt k = 0; k < faces->surfaces->count; k++) any = (PetscBool)(any || faces->acting[k].active);
   if (!any) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(points->count, &outer));
   PetscCall(FindOuter(faces, rules, points, outer));
+  PetscCall(MpmSurfaceCutPresent(faces, points, rules->grid->comm));
+  PetscCall(MpmBasisCreate(space, &basis));
   for (PetscInt g = 0; g < space->group_count; g++) {
     for (PetscInt s = space->groups[g].point_begin; s < space->groups[g].point_end; s++) {
       const MpmFacet facet = {.point = space->order[s], .group = g};
+      PetscInt       held  = 0;
 
-      if (outer[facet.point]) PetscCall(FacesOfPoint(faces, rules, points, space, &facet, outer[facet.point], &used));
+      for (PetscInt k = 0; k < faces->surfaces->count && outer[facet.point]; k++)
+        PetscCall(FacesOfPoint(faces, &at, k, &facet, outer[facet.point], &held));
     }
   }
+  PetscCall(MpmBasisDestroy(&basis));
   PetscCall(PetscFree(outer));
-  PetscCall(MpmSurfaceFacesToBoxes(faces, points, space));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting,
+/* Adds the number of faces that a surface has of a point. */
+static PetscErrorCode CountFaces(const MpmBodySurface *surface, MpmEdgePieces *pieces, const MpmGrid *grid,
+                                 const MpmPoints *points, PetscInt p, PetscInt *count)
+{
+  PetscInt            bits = points->domain.faces[p] & surface->faces;
+  PetscReal           area[MPM_MAX_DIM];
+  const MpmEdgePoint *cut;
+
+  PetscFunctionBeginUser;
+  if (!bits) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSurfaceCutPoint(surface, pieces, grid, points, p, &bits, &cut));
+  for (PetscInt k = 0; cut && k < cut->count; k++)
+    *count += MpmSurfacePieceArea(surface, &pieces->at[cut->first + k], grid->dim, bits, area) ? 1 : 0;
+  for (PetscInt face = 0; !cut && face < 2 * grid->dim; face++)
+    if (bits & MpmFaceBit(face / 2, face % 2)) *count += PartInRegion(surface, grid->dim, points, p, face) > 0. ? 1 : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLoadActing *acting, const MpmGrid *grid,
                                     MpmParticles *particles)
 {
   MpmPoints points;
@@ -276,18 +355,16 @@ PetscErrorCode MpmBodySurfacesCheck(const MpmBodySurfaces *surfaces, const MpmLo
   if (!surfaces->count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGetArrays(particles, &points));
   for (PetscInt k = 0; k < surfaces->count; k++) {
-    PetscInt count[2] = {0, 0}; /* points of the body, and those with a face of the surface */
+    PetscInt      count[2] = {0, 0}; /* points of the body, and the surface's faces of these */
+    MpmEdgePieces pieces   = {0};
 
     for (PetscInt p = 0; p < points.count; p++) {
       if (points.id[p] < acting[k].first || points.id[p] >= acting[k].end) continue;
       count[0]++;
-      for (PetscInt face = 0; face < 2 * particles->dim; face++) {
-        if (!(points.domain.faces[p] & surfaces->at[k].faces & MpmFaceBit(face / 2, face % 2))) continue;
-        count[1] += PartInRegion(&surfaces->at[k], particles->dim, &points, p, face) > 0. ? 1 : 0;
-      }
+      PetscCall(CountFaces(&surfaces->at[k], &pieces, grid, &points, p, &count[1]));
     }
-    PetscCall(
-      MPIU_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, PetscObjectComm((PetscObject)particles->swarm)));
+    PetscCall(MpmEdgePiecesDestroy(&pieces));
+    PetscCall(MPIU_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, grid->comm));
     MpmCheckInput(k >= surfaces->named || !acting[k].active || !count[0] || count[1],
                   "-mpm_surface_%s_%s: the material does not end there: no face of its body%s bounds it",
                   surfaces->names[k], surfaces->at[k].region ? "region" : "side",

@@ -6,9 +6,7 @@
 
     normal s:    f s a' ,        traction t:   f t |a'| ,      open water, at a drained face below its level:   -p a'
 
-  on the nodes by the face's weights. The part m of a box that its point at a cut edge lacks (surface_cut.c) is
-  under the stress s, or -p, of its faces: node i has the force of the area -m grad w_i as well, so that a uniform
-  stress is in balance. Loads follow the material, so none has a potential in general and the tangent,
+  on the nodes by the face's weights. Loads follow the material, so none has a potential in general and the tangent,
 
     -w_i d force/d dF : (. (x) grad w_j) ,    d cof(F)_ij/dF_kl = e_ikn e_jlq F_nq ,
 
@@ -24,6 +22,7 @@
 /* The basis functions of a face's point, and the force on the face with its derivative by dF. */
 typedef struct {
   MpmBasis  basis;
+  PetscReal gradient[3][3];                 /* dF - I */
   PetscReal force[3], by_gradient[3][3][3]; /* d force[i]/d dF[k][l] */
 } Work;
 
@@ -87,10 +86,10 @@ static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
   const MpmBodySurface *surface = &faces->surfaces->at[face->surface];
   const PetscReal       factor  = faces->factor[face->surface];
   const PetscReal       normal  = Normal(faces, face);
-  PetscReal             gradient[3][3], area[3], by[3][3][3], size = 0.;
+  PetscReal             area[3], by[3][3][3], size = 0.;
 
-  Gradient(faces, face, sum, u, work, gradient);
-  Area(gradient, face->area, area, by);
+  Gradient(faces, face, sum, u, work, work->gradient);
+  Area(work->gradient, face->area, area, by);
   for (PetscInt a = 0; a < 3; a++) size += PetscSqr(area[a]);
   size = PetscSqrtReal(size);
   for (PetscInt i = 0; i < 3; i++) {
@@ -106,80 +105,70 @@ static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, c
   }
 }
 
-/* ---- what a point's box has beyond the point ---- */
+/* ---- inner areas of points at cut edges ---- */
 
-static PetscBool HasMissing(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face)
+static PetscBool HasInner(const MpmSurfaceFace *face)
 {
-  return (PetscBool)(face->missing != 0. && Normal(faces, face) != 0.);
+  return (PetscBool)(face->inner >= 0);
 }
 
-/* The point's weight at node i over its radius. */
-static PetscReal HoopWeight(const MpmSurfaceFace *face, const MpmSum *sum, const Work *work, PetscInt i)
+/*
+  The stress behind a face: s I of a normal stress s; of a traction t, with the normal n as the step starts,
+
+    t (x) n + n (x) t - (t . n) n (x) n
+*/
+static void StressBehind(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, PetscInt dim, PetscReal stress[3][3])
 {
-  return work->basis.basis[0][i] * sum->space->shapes.at[0].hoop[face->point];
+  const PetscReal *t = faces->surfaces->at[face->surface].traction, factor = faces->factor[face->surface],
+                  normal = Normal(faces, face);
+  PetscReal n[3] = {0., 0., 0.}, square = 0., along = 0.;
+
+  for (PetscInt a = 0; a < dim; a++) square += PetscSqr(face->area[a]);
+  for (PetscInt a = 0; a < dim && square > 0.; a++) n[a] = face->area[a] / PetscSqrtReal(square);
+  for (PetscInt a = 0; a < dim; a++) along += t[a] * n[a];
+  for (PetscInt i = 0; i < 3; i++)
+    for (PetscInt j = 0; j < 3; j++)
+      stress[i][j] = (i == j ? normal : 0.) + factor * (t[i] * n[j] + n[i] * t[j] - along * n[i] * n[j]);
 }
 
-/* As Gradient, with the point's own hoop strain. */
-static void GradientAtPoint(const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[], Work *work,
-                            PetscReal gradient[3][3])
+/* The force on node i, in work->force, behind Evaluate() of the face. */
+static void EvaluateInner(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, PetscInt dim, PetscInt i,
+                          Work *work)
 {
-  const MpmGroup *group = &sum->space->groups[face->group];
-  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
+  PetscReal stress[3][3], area[3], by[3][3][3], at[3] = {0., 0., 0.};
 
-  MpmBasisGradient(&work->basis, group, sum, u, gradient);
-  for (PetscInt i = 0; MpmSpaceIsAxial(sum->space) && i < group->node_count; i++)
-    gradient[2][2] += HoopWeight(face, sum, work, i) * u[nodes[i] * sum->block];
-}
+  StressBehind(faces, face, dim, stress);
+  for (PetscInt a = 0; a < dim; a++) at[a] = faces->list.weight[face->inner + i * dim + a];
+  Area(work->gradient, at, area, by);
+  for (PetscInt c = 0; c < 3; c++) {
+    work->force[c] = 0.;
+    for (PetscInt d = 0; d < 3; d++) work->force[c] += stress[c][d] * area[d];
+    for (PetscInt kl = 0; kl < 9; kl++) {
+      PetscReal sum = 0.;
 
-/* The force on node i, in work->force; its hoop part is radial. The basis functions are those in `work`. */
-static void EvaluateMissing(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum,
-                            const PetscReal gradient[3][3], PetscInt i, Work *work)
-{
-  const PetscReal amount = -face->missing * Normal(faces, face);
-  PetscReal       area[3];
-
-  for (PetscInt a = 0; a < 3; a++) {
-    const PetscReal along[] = {a == 0 ? 1. : 0., a == 1 ? 1. : 0., a == 2 ? 1. : 0.};
-
-    area[a] = amount * MpmBasisSlope(&work->basis, sum->space->dim, i, along);
-  }
-  if (MpmSpaceIsAxial(sum->space)) area[2] = amount * HoopWeight(face, sum, work, i);
-  Area(gradient, area, work->force, work->by_gradient);
-  if (!MpmSpaceIsAxial(sum->space)) return;
-  work->force[0] += work->force[2];
-  for (PetscInt kl = 0; kl < 9; kl++) work->by_gradient[0][kl / 3][kl % 3] += work->by_gradient[2][kl / 3][kl % 3];
-}
-
-/* The residual at the displacement u, or its change along du. */
-static void AddMissing(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[],
-                       const PetscReal du[], Work *work, PetscReal y[])
-{
-  const MpmGroup *group = &sum->space->groups[face->group];
-  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
-  PetscReal       gradient[3][3], change[3][3];
-
-  GradientAtPoint(face, sum, u, work, gradient);
-  if (du) GradientAtPoint(face, sum, du, work, change);
-  for (PetscInt i = 0; i < group->node_count; i++) {
-    EvaluateMissing(faces, face, sum, gradient, i, work);
-    for (PetscInt c = 0; c < sum->space->dim; c++) {
-      PetscReal force = work->force[c];
-
-      for (PetscInt kl = 0; du && kl < 9; kl++)
-        force = (kl ? force : 0.) + work->by_gradient[c][kl / 3][kl % 3] * change[kl / 3][kl % 3];
-      y[nodes[i] * sum->block + c] -= force;
+      for (PetscInt d = 0; d < 3; d++) sum += stress[c][d] * by[d][kl / 3][kl % 3];
+      work->by_gradient[c][kl / 3][kl % 3] = sum;
     }
   }
 }
 
-/* The tangent's entry for node i of EvaluateMissing and force c, node j and displacement d. */
-static PetscReal MissingEntry(const MpmSurfaceFace *face, const MpmSum *sum, const Work *work, PetscInt c, PetscInt d,
-                              PetscInt j)
+/* The residual behind Evaluate(), or its change by a change of dF. */
+static void AddInner(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum,
+                     const PetscReal change[3][3], Work *work, PetscReal y[])
 {
-  PetscReal value = MpmBasisSlope(&work->basis, sum->space->dim, j, work->by_gradient[c][d]);
+  const MpmGroup *group = &sum->space->groups[face->group];
+  const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
 
-  if (MpmSpaceIsAxial(sum->space) && !d) value += work->by_gradient[c][2][2] * HoopWeight(face, sum, work, j);
-  return -value;
+  for (PetscInt i = 0; i < group->node_count; i++) {
+    EvaluateInner(faces, face, sum->space->dim, i, work);
+    for (PetscInt c = 0; c < sum->space->dim; c++) {
+      PetscReal force = change ? 0. : work->force[c];
+
+      for (PetscInt kl = 0; change && kl < 9; kl++)
+        force += work->by_gradient[c][kl / 3][kl % 3] * change[kl / 3][kl % 3];
+      y[nodes[i] * sum->block + c] -= force;
+    }
+  }
 }
 
 /* ---- the term ---- */
@@ -212,7 +201,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
     if (!IsLoaded(faces, &faces->list.at[k])) continue;
     Evaluate(faces, &faces->list.at[k], sum, u, &work);
     AddForce(faces, &faces->list.at[k], sum, work.force, residual);
-    if (HasMissing(faces, &faces->list.at[k])) AddMissing(faces, &faces->list.at[k], sum, u, NULL, &work, residual);
+    if (HasInner(&faces->list.at[k])) AddInner(faces, &faces->list.at[k], sum, NULL, &work, residual);
   }
   PetscCall(MpmBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -238,22 +227,22 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
       for (PetscInt kl = 0; kl < 9; kl++) force[i] += work.by_gradient[i][kl / 3][kl % 3] * change[kl / 3][kl % 3];
     }
     AddForce(faces, &faces->list.at[f], sum, force, y);
-    if (HasMissing(faces, &faces->list.at[f])) AddMissing(faces, &faces->list.at[f], sum, u, du, &work, y);
+    if (HasInner(&faces->list.at[f])) AddInner(faces, &faces->list.at[f], sum, (const PetscReal(*)[3])change, &work, y);
   }
   PetscCall(MpmBasisDestroy(&work.basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The tangent's entry for node i and force c, node j and displacement d. */
+/* The tangent's entry for a force c of the weight `own`, node j and displacement d. */
 static PetscReal Entry(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const Work *work,
-                       PetscInt i, PetscInt cd, PetscInt j)
+                       PetscReal own, PetscInt cd, PetscInt j)
 {
   const PetscInt   dim = sum->space->dim, c = cd / dim, d = cd % dim;
   const PetscReal *weight = &faces->list.weight[face->weight];
   PetscReal        value  = MpmBasisSlope(&work->basis, dim, j, work->by_gradient[c][d]);
 
   if (MpmSpaceIsAxial(sum->space) && !d) value += work->by_gradient[c][2][2] * weight[j] / face->place[0];
-  return -weight[i] * value;
+  return -own * value;
 }
 
 static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscReal u[], PetscReal blocks[],
@@ -271,19 +260,17 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
     const MpmSurfaceFace *face  = &faces->list.at[f];
     const MpmGroup       *group = &sum->space->groups[face->group];
     const PetscInt       *nodes = &sum->space->group_nodes[group->node_offset];
-    PetscReal             gradient[3][3];
 
     if (!IsLoaded(faces, face)) continue;
     Evaluate(faces, face, sum, u, &work);
     for (PetscInt i = 0; i < group->node_count; i++)
       for (PetscInt cd = 0; cd < dim * dim; cd++)
-        blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] += Entry(faces, face, sum, &work, i, cd, i);
-    if (!HasMissing(faces, face)) continue;
-    GradientAtPoint(face, sum, u, &work, gradient);
-    for (PetscInt i = 0; i < group->node_count; i++) {
-      EvaluateMissing(faces, face, sum, gradient, i, &work);
+        blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] +=
+          Entry(faces, face, sum, &work, faces->list.weight[face->weight + i], cd, i);
+    for (PetscInt i = 0; i < group->node_count && HasInner(face); i++) {
+      EvaluateInner(faces, face, dim, i, &work);
       for (PetscInt cd = 0; cd < dim * dim; cd++)
-        blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] += MissingEntry(face, sum, &work, cd / dim, cd % dim, i);
+        blocks[(nodes[i] * bs + cd / dim) * bs + cd % dim] += Entry(faces, face, sum, &work, 1., cd, i);
     }
   }
   PetscCall(MpmBasisDestroy(&work.basis));
@@ -307,7 +294,6 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     const MpmSurfaceFace *face  = &faces->list.at[f];
     const MpmGroup       *group = &sum->space->groups[face->group];
     const PetscInt        n     = group->node_count;
-    PetscReal             gradient[3][3];
 
     if (!IsLoaded(faces, face)) continue;
     Evaluate(faces, face, sum, u, &work);
@@ -315,14 +301,13 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
     for (PetscInt i = 0; i < n; i++)
       for (PetscInt cd = 0; cd < dim * dim; cd++)
         for (PetscInt j = 0; j < n; j++)
-          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] = Entry(faces, face, sum, &work, i, cd, j);
-    if (HasMissing(faces, face)) GradientAtPoint(face, sum, u, &work, gradient);
-    for (PetscInt i = 0; HasMissing(faces, face) && i < n; i++) {
-      EvaluateMissing(faces, face, sum, gradient, i, &work);
+          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] =
+            Entry(faces, face, sum, &work, faces->list.weight[face->weight + i], cd, j);
+    for (PetscInt i = 0; i < n && HasInner(face); i++) {
+      EvaluateInner(faces, face, dim, i, &work);
       for (PetscInt cd = 0; cd < dim * dim; cd++)
         for (PetscInt j = 0; j < n; j++)
-          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] +=
-            MissingEntry(face, sum, &work, cd / dim, cd % dim, j);
+          element[((i * bs + cd / dim) * bs + cd % dim) * n + j] += Entry(faces, face, sum, &work, 1., cd, j);
     }
     MpmPatternAddBlock(pattern, sum->space, group, element);
   }

@@ -212,7 +212,7 @@ static PetscErrorCode BeginStages(MpmModel model)
   PetscCall(MpmWaterFillPressure(model, 0, PETSC_MAX_INT));
   PetscCall(MpmStageBegin(model, 0));
   PetscCall(MpmBodySurfacesCheck(model->scene.surfaces, &model->state.acting.loads[model->scene.loads->count],
-                                 model->state.particles));
+                                 model->disc.grid, model->state.particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -90,6 +90,13 @@ PetscBool MpmBodyIsReleased(MpmBody body);
 PetscBool MpmBodyIsStressed(MpmBody body);
 /* True where points stand for parts of the lattice's boxes (body_edge.c). */
 PetscBool MpmBodyIsCut(MpmBody body);
+/* Volume of the body's part of the box between two corners, and its centroid. */
+PetscReal MpmBodyPart(const MpmBody body, PetscInt dim, const PetscReal low[], const PetscReal high[],
+                      PetscReal centroid[]);
+#define MPM_BODY_BOXES 28 /* room for those of a point, and one more */
+/* The lattice's boxes of which the point of box `at` has the body's part: itself, and those beside it that it takes.
+   The grid is where the body was drawn. */
+PetscInt MpmBodyBoxes(const MpmBody body, const MpmGrid *grid, const PetscInt at[], PetscInt boxes[][MPM_MAX_DIM]);
 /* The lattice of a body's points: its cells are the points' domains. Not of bodies from files. */
 typedef struct {
   PetscReal lower[MPM_MAX_DIM], spacing[MPM_MAX_DIM]; /* m */

@@ -78,31 +78,68 @@ static MpmBody Replaces(const MpmBody body, const PetscReal x[], PetscReal reach
   return count == 1 ? one : NULL;
 }
 
+/* The region's part of a box less that in a winner which is a box itself. */
+static PetscReal LessBox(const MpmBody body, const MpmBody winner, PetscInt dim, const PetscReal low[],
+                         const PetscReal high[], PetscReal centroid[])
+{
+  PetscReal lower[MPM_MAX_DIM], upper[MPM_MAX_DIM], size = 1., full = 1., x[MPM_MAX_DIM] = {0., 0., 0.}, left, lost;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    lower[a] = low[a];
+    upper[a] = high[a];
+  }
+  (void)MpmRegionGetBounds(winner->region, lower, upper);
+  for (PetscInt a = 0; a < dim; a++) {
+    lower[a] = PetscMax(lower[a], low[a]);
+    upper[a] = PetscMax(PetscMin(upper[a], high[a]), lower[a]);
+    size *= upper[a] - lower[a];
+    full *= high[a] - low[a];
+  }
+  lost = size > 0. ? MpmRegionPart(body->region, lower, upper, x) : 0.;
+  size = MpmRegionPart(body->region, low, high, centroid);
+  left = size - lost;
+  if (!(left > WHOLE * full)) return 0.;
+  for (PetscInt a = 0; a < dim; a++) centroid[a] = (size * centroid[a] - lost * x[a]) / left;
+  return left;
+}
+
+PetscReal MpmBodyPart(const MpmBody body, PetscInt dim, const PetscReal low[], const PetscReal high[],
+                      PetscReal centroid[])
+{
+  PetscReal x[MPM_MAX_DIM] = {0., 0., 0.}, square = 0., full = 1., left;
+  PetscBool many;
+  MpmBody   winner;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    x[a] = 0.5 * (low[a] + high[a]);
+    full *= high[a] - low[a];
+    square += PetscSqr(0.5 * (high[a] - low[a]));
+  }
+  winner = Replaces(body, x, PetscSqrtReal(square), &many);
+  if (!winner && !many) return MpmRegionPart(body->region, low, high, centroid);
+  if (winner && MpmRegionGetType(winner->region) == MPM_REGION_BOX)
+    return LessBox(body, winner, dim, low, high, centroid);
+  if (many || MpmRegionIsNearEdge(body->region, x, PetscSqrtReal(square)))
+    return MpmSampledPart(dim, Owns, &body, low, high, centroid);
+  if (!MpmRegionContains(body->region, x)) return 0.;
+  left = full - MpmRegionPart(winner->region, low, high, centroid);
+  for (PetscInt a = 0; a < dim; a++)
+    centroid[a] = left > WHOLE * full ? (full * x[a] - (full - left) * centroid[a]) / left : x[a];
+  return left > WHOLE * full ? left : 0.;
+}
+
 /* The body's part of a box. */
 static PetscReal Part(const MpmBody body, const MpmGrid *grid, const PetscInt at[], PetscReal centroid[])
 {
-  PetscReal x[MPM_MAX_DIM] = {0., 0., 0.}, half[MPM_MAX_DIM], low[MPM_MAX_DIM], high[MPM_MAX_DIM], square = 0.,
-            full = 1., left;
-  PetscBool many;
-  MpmBody   winner;
+  PetscReal x[MPM_MAX_DIM] = {0., 0., 0.}, half[MPM_MAX_DIM], low[MPM_MAX_DIM], high[MPM_MAX_DIM];
 
   MpmBodyBoxPlace(body, grid, at, x);
   MpmBodyHalfLengths(body, grid, half);
   for (PetscInt a = 0; a < grid->dim; a++) {
     low[a]  = x[a] - half[a];
     high[a] = x[a] + half[a];
-    full *= 2. * half[a];
-    square += half[a] * half[a];
   }
-  winner = Replaces(body, x, PetscSqrtReal(square), &many);
-  if (!winner && !many) return MpmRegionPart(body->region, low, high, centroid);
-  if (many || MpmRegionIsNearEdge(body->region, x, PetscSqrtReal(square)))
-    return MpmSampledPart(grid->dim, Owns, &body, low, high, centroid);
-  if (!MpmRegionContains(body->region, x)) return 0.;
-  left = full - MpmRegionPart(winner->region, low, high, centroid);
-  for (PetscInt a = 0; a < grid->dim; a++)
-    centroid[a] = left > WHOLE * full ? (full * x[a] - (full - left) * centroid[a]) / left : x[a];
-  return left > WHOLE * full ? left : 0.;
+  return MpmBodyPart(body, grid->dim, low, high, centroid);
 }
 
 /* The box beside one without a point that takes its part: the nearest to the centroid; -1 where there is none. */
@@ -124,24 +161,38 @@ static PetscInt Taker(const MpmBody body, const MpmGrid *grid, const PetscInt at
   return taker;
 }
 
+PetscInt MpmBodyBoxes(const MpmBody body, const MpmGrid *grid, const PetscInt at[], PetscInt boxes[][MPM_MAX_DIM])
+{
+  const PetscInt last  = BoxesBeside(grid->dim) - 1;
+  PetscInt       count = 0;
+  PetscReal      part[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) boxes[count][a] = at[a];
+  count++;
+  for (PetscInt k = 0; k <= last; k++) {
+    PetscInt *other = boxes[count];
+
+    if (!Beside(body, grid->dim, at, k, other) || HasPoint(body, grid, other)) continue;
+    if (k == last / 2 || !(Part(body, grid, other, part) > 0.)) continue;
+    if (Taker(body, grid, other, part) == last - k) count++;
+  }
+  return count;
+}
+
 /* Volume and first moments of a box with a point and of what it takes. */
 static PetscReal Gather(const MpmBody body, const MpmGrid *grid, const PetscInt at[], PetscReal centroid[])
 {
-  const PetscInt dim = grid->dim, last     = BoxesBeside(dim) - 1;
-  PetscReal      part[MPM_MAX_DIM], volume = Part(body, grid, at, part), moment[MPM_MAX_DIM];
+  PetscInt       boxes[MPM_BODY_BOXES][MPM_MAX_DIM];
+  const PetscInt count = MpmBodyBoxes(body, grid, at, boxes);
+  PetscReal      part[MPM_MAX_DIM], volume = 0., moment[MPM_MAX_DIM] = {0., 0., 0.};
 
-  for (PetscInt a = 0; a < dim; a++) moment[a] = volume * part[a];
-  for (PetscInt k = 0; k <= last; k++) {
-    PetscInt  other[MPM_MAX_DIM];
-    PetscReal given;
+  for (PetscInt k = 0; k < count; k++) {
+    const PetscReal given = Part(body, grid, boxes[k], part);
 
-    if (!Beside(body, dim, at, k, other) || HasPoint(body, grid, other)) continue;
-    given = Part(body, grid, other, part);
-    if (!(given > 0.) || Taker(body, grid, other, part) != last - k) continue;
     volume += given;
-    for (PetscInt a = 0; a < dim; a++) moment[a] += given * part[a];
+    for (PetscInt a = 0; a < grid->dim && given > 0.; a++) moment[a] += given * part[a];
   }
-  for (PetscInt a = 0; a < dim && volume > 0.; a++) centroid[a] = moment[a] / volume;
+  for (PetscInt a = 0; a < grid->dim && volume > 0.; a++) centroid[a] = moment[a] / volume;
   return volume;
 }
 
