@@ -3,7 +3,8 @@
 */
 #include "runout/runout_impl.h"
 
-#define APART 0.5 /* cells between samples */
+#define APART 0.5  /* cells between samples */
+#define SLACK 1e-6 /* of a cell */
 
 /* Room for more samples. */
 static PetscErrorCode Grow(MpmGauge *gauge, PetscInt more)
@@ -43,25 +44,40 @@ static PetscErrorCode AddPiece(const MpmGrid *grid, const PetscReal from[], cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* By the rule of even and odd crossings. */
-static PetscBool Inside(PetscInt count, const PetscReal vertex[], const PetscReal x[])
+/* True where x is within `slack` of the line from a to b. */
+static PetscBool Beside(const PetscReal a[], const PetscReal b[], const PetscReal x[], PetscReal slack)
+{
+  const PetscReal along[2] = {b[0] - a[0], b[1] - a[1]}, square = PetscSqr(along[0]) + PetscSqr(along[1]);
+  const PetscReal way  = (x[0] - a[0]) * along[0] + (x[1] - a[1]) * along[1];
+  const PetscReal part = square > 0. ? PetscClipInterval(way / square, 0., 1.) : 0.;
+
+  return (PetscBool)(PetscSqr(x[0] - a[0] - part * along[0]) + PetscSqr(x[1] - a[1] - part * along[1]) <=
+                     PetscSqr(slack));
+}
+
+/* By the rule of even and odd crossings, or on an edge. */
+static PetscBool Inside(PetscInt count, const PetscReal vertex[], const PetscReal x[], PetscReal slack)
 {
   PetscBool in = PETSC_FALSE;
 
   for (PetscInt k = 0; k < count; k++) {
     const PetscReal *a = &vertex[2 * k], *b = &vertex[2 * ((k + 1) % count)];
 
+    if (Beside(a, b, x, slack)) return PETSC_TRUE;
     if ((a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (b[0] - a[0]) * (x[1] - a[1]) / (b[1] - a[1]))
       in = (PetscBool)!in;
   }
   return in;
 }
 
-/* The corners of an outline, and places inside. */
+/*
+  The corners of an outline, and the places inside that are on lines through nodes or midway between these: values are
+  bilinear between nodes, where their maxima are.
+*/
 static PetscErrorCode AddOutline(const MpmGrid *grid, PetscInt count, const PetscReal vertex[], MpmGauge *gauge)
 {
-  const PetscReal apart    = Spacing(grid);
-  PetscReal       lower[2] = {vertex[0], vertex[1]}, upper[2] = {vertex[0], vertex[1]}, x[2];
+  PetscReal lower[2] = {PETSC_INFINITY, PETSC_INFINITY}, upper[2] = {PETSC_NINFINITY, PETSC_NINFINITY};
+  PetscInt  at[2], begin[2], end[2];
 
   PetscFunctionBeginUser;
   PetscCall(Grow(gauge, count));
@@ -70,9 +86,18 @@ static PetscErrorCode AddOutline(const MpmGrid *grid, PetscInt count, const Pets
     lower[k % 2]                                         = PetscMin(lower[k % 2], vertex[k]);
     upper[k % 2]                                         = PetscMax(upper[k % 2], vertex[k]);
   }
-  for (x[1] = lower[1] + 0.5 * apart; x[1] < upper[1]; x[1] += apart) {
-    for (x[0] = lower[0] + 0.5 * apart; x[0] < upper[0]; x[0] += apart) {
-      if (!Inside(count, vertex, x)) continue;
+  for (PetscInt a = 0; a < 2; a++) {
+    const PetscReal apart = APART * grid->h[a], last = (PetscReal)grid->cells[a] / APART;
+
+    begin[a] = (PetscInt)PetscMax(PetscCeilReal((lower[a] - grid->lower[a]) / apart - SLACK), 0.);
+    end[a]   = (PetscInt)PetscMin(PetscFloorReal((upper[a] - grid->lower[a]) / apart + SLACK), last) + 1;
+  }
+  for (at[1] = begin[1]; at[1] < end[1]; at[1]++) {
+    for (at[0] = begin[0]; at[0] < end[0]; at[0]++) {
+      PetscReal x[2];
+
+      for (PetscInt a = 0; a < 2; a++) x[a] = grid->lower[a] + APART * grid->h[a] * (PetscReal)at[a];
+      if (!Inside(count, vertex, x, SLACK * PetscMin(grid->h[0], grid->h[1]))) continue;
       PetscCall(Grow(gauge, 1));
       for (PetscInt a = 0; a < 2; a++) gauge->sample[gauge->count - 1].x[a] = x[a];
     }

@@ -55,10 +55,12 @@ SLIDE = """mpm:
   time: {integrator: explicit, end: 4}
   output: {every: 0}
   maps: {every: 5}
-  gauges: bridge,road,house,valley
+  gauges: bridge,road,house,valley,all,top
   gauge_bridge: {place: "1090,5080"}
   gauge_road: {line: "1090,5000,1090,5160"}
   gauge_house: {outline: "1100,5070,1110,5070,1110,5085"}
+  gauge_all: {outline: "1080,5000,1400,5000,1400,5160,1080,5160"}
+  gauge_top: {place: "1080,5080"}
   gauge_valley: {path: "1030,5080,1380,5070"}
   quiet: true
 """
@@ -138,6 +140,7 @@ def slide(test):
     test.check("slide.restart", min(same), 1, 1)
     for name in ("gauge_road_volume", "gauge_house_pressure", "gauge_valley_way"):
         test.near(f"slide.restart.{name}", float(again.results.history[name][-1]), float(history[name][-1]), relative=1e-13)
+    test.near("slide.outline", float(history["gauge_all_depth"][-1]), max(history["gauge_top_depth"]), 1e-12)  # at its edge
     # the last state's map has the volume of the points, and the line has seen what is beyond it
     step = max(int(name.split("_")[0]) for name in fields if name[0].isdigit())
     volume, x = state["volume"].ravel(), state["position"][:, 0]
