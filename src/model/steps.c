@@ -188,14 +188,16 @@ static PetscErrorCode WarnUnused(MpmModel model, MpmMoment moment)
 /* Output of a converged step: its row, its line, and at times the points. */
 static PetscErrorCode Report(MpmModel model, PetscReal dt)
 {
-  char boils[MPM_WATER_TEXT];
+  char line[MPM_WATER_TEXT];
 
   PetscFunctionBeginUser;
   model->results->dt = dt;
   if (model->state.step % model->results->history_every == 0 || AtEnd(model)) PetscCall(MpmModelWriteHistory(model));
   PetscCall(MpmTerminalStep(model, dt));
-  PetscCall(MpmWaterFindTension(model, boils));
-  if (boils[0]) PetscCall(MpmTerminalWarn(model, "%s", boils));
+  PetscCall(MpmWaterFindTension(model, line));
+  if (line[0]) PetscCall(MpmTerminalWarn(model, "%s", line));
+  PetscCall(MpmWaterFindLost(model, line));
+  if (line[0]) PetscCall(MpmTerminalWarn(model, "%s", line));
   if (model->solver.iterations.linear_total) PetscCall(WarnUnused(model, MPM_AFTER_SOLVE));
   PetscCall(WriteDue(model));
   PetscFunctionReturn(PETSC_SUCCESS);

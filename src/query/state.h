@@ -112,6 +112,7 @@ typedef struct {
   PetscReal most;   /* largest mean size of the excess pressure so far, Pa; -1: unknown */
   PetscReal degree; /* of consolidation at the last step's end */
   PetscInt  boiled; /* stages up to the last with a line on pressures below -100 kPa */
+  PetscInt  lost;   /* stages up to the last with a line on water that goes into dry ground */
 } MpmWaterRun;
 
 /* Error in time of a step, relative (time_error.c). */

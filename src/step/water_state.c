@@ -31,6 +31,7 @@
 #include "space/sum.h"
 #include "bc/bc.h"
 #include "loads/body_surface.h"
+#include "loads/load.h"
 #include "loads/water_table.h"
 #include "problem/discretization.h"
 #include "query/model.h"
@@ -455,6 +456,70 @@ PetscErrorCode MpmWaterFindTension(MpmModel model, char text[MPM_WATER_TEXT])
                           "a stage has `drained: true`",
                           (double)(1e-3 * least[0]), place, stage->name ? ", stage " : "",
                           stage->name ? stage->name : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Part of a load's water that goes to points above the level. Collective. */
+static PetscErrorCode FindDryPart(MpmModel model, const MpmLoad *load, PetscReal *part)
+{
+  const PetscInt dim    = model->disc.dim;
+  PetscReal      sum[2] = {0., 0.}, *share; /* dry, all */
+  MpmPoints      points;
+
+  PetscFunctionBeginUser;
+  PetscCall(MpmParticlesGetArrays(model->state.particles, &points));
+  PetscCall(MpmParticlesGetField(model->state.particles, load->share_field, &share));
+  for (PetscInt p = 0; p < points.count; p++) {
+    sum[1] += share[p];
+    if (MpmWaterTableDepth(model->scene.water, model->state.time, &points.x[p * dim]) < 0.) sum[0] += share[p];
+  }
+  PetscCall(MpmParticlesRestoreField(model->state.particles, &share));
+  PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, model->comm));
+  *part = sum[1] > 0. ? sum[0] / sum[1] : 0.;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether a level moves in ground that holds water above it, and reaches no drained face. */
+static PetscBool MovesNothing(const MpmModel model)
+{
+  const MpmWaterTable *table = model->scene.water;
+  PetscReal            least, most;
+
+  if (!table->there || !table->suction) return PETSC_FALSE;
+  for (PetscInt k = 0; k < model->scene.surfaces->count; k++)
+    if (model->scene.surfaces->at[k].drained) return PETSC_FALSE;
+  MpmRampBounds(table->ramp, &least, &most);
+  return (PetscBool)(most > least);
+}
+
+PetscErrorCode MpmWaterFindLost(MpmModel model, char text[MPM_WATER_TEXT])
+{
+  const MpmLoads *loads = model->scene.loads;
+  const MpmStage *stage = &model->scene.stages.at[model->state.stage];
+
+  PetscFunctionBeginUser;
+  text[0] = '\0';
+  if (!model->state.scheme.water.lost && MovesNothing(model)) {
+    model->state.scheme.water.lost = model->state.stage + 1;
+    PetscCall(PetscSNPrintf(text, MPM_WATER_TEXT,
+                            "water level: with -mpm_water_above suction it moves at drained faces alone, and there is "
+                            "none"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!model->scene.water->there || model->scene.water->suction) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt l = 0; l < loads->count && model->state.scheme.water.lost <= model->state.stage; l++) {
+    PetscReal part;
+
+    if (loads->at[l].type != MPM_LOAD_FLUX || !stage->loads[l]) continue;
+    PetscCall(FindDryPart(model, &loads->at[l], &part));
+    if (!(part > 0.)) continue;
+    model->state.scheme.water.lost = model->state.stage + 1;
+    PetscCall(PetscSNPrintf(text, MPM_WATER_TEXT,
+                            "load %s: %.3g %% of its water goes into ground above the level, which stays dry; "
+                            "-mpm_water_above suction has water there",
+                            loads->at[l].name, (double)(100. * part)));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

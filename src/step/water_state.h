@@ -19,6 +19,9 @@ PetscErrorCode MpmWaterHold(MpmModel model, PetscReal time);
 /* A line on the lowest pressure where water would boil, once a stage; otherwise empty. Collective. */
 #define MPM_WATER_TEXT 256
 PetscErrorCode MpmWaterFindTension(MpmModel model, char text[MPM_WATER_TEXT]);
+/* A line on water that has no effect, once a stage: what a load of type flux brings into dry ground, and a level that
+   moves in ground with suction that nothing drains; otherwise empty. Collective. */
+PetscErrorCode MpmWaterFindLost(MpmModel model, char text[MPM_WATER_TEXT]);
 /* After a step that failed: another reason where a point's pores are as good as closed. Collective. */
 PetscErrorCode MpmWaterFindClosed(MpmModel model, MpmOutcome *outcome);
 /* After a step: fails where rising water lifts ground without effective stress. */

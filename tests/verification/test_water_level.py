@@ -118,6 +118,7 @@ def lowered(test):
     """From the surface to a metre below: the ground above is dry, and all below bears 10 kPa more."""
     scene = still(test, ["  stages: rest,drain", "  stage_drain: {time: {end: 1e6, step: 100, step_max: 1e5}}"])
     run = test.run(scene, mpm_water_level=3, mpm_water_ramp="1:1,1001:0.66666666666666663")
+    test.check("lowered.silent", "water" in run.errors, 0, 0)
     y = run.table("position")[:, 1]
     test.check("lowered.pressure", np.max(np.abs(run.table("pressure") - hydrostatic(y, 2.0))), None, 20.0)
     stress = run.table("stress")[:, 1]
@@ -125,6 +126,19 @@ def lowered(test):
     modulus = 1e7 * 0.7 / (1.3 * 0.4)
     sunk = -np.min(run.table("displacement")[:, 1])
     test.near("lowered.settlement", sunk, (2.0 * WATER + 0.5 * WATER) / modulus, 0.02)
+
+
+def lost(test):
+    """Rain on dry ground has no effect, nor a level that moves in sealed ground with suction: a line, once a stage."""
+    scene = still(test, ["  stages: rest,drain", "  stage_drain: {time: {end: 4, step: 1}}"])
+    text = scene.read_text(encoding="utf-8").replace("loads: weight", "loads: weight,rain")
+    scene.write_text(text + '  load_rain: {type: flux, region: box, lower: "0,2", upper: "4,3", value: 1e-6}\n', encoding="utf-8")
+    run = test.run(scene, ranks=3, mpm_water_level=2.5, mpm_stage_rest_loads="weight")
+    test.check("lost.part", "load rain: 50 % of its water goes into ground above the level" in run.errors, 1)
+    test.check("lost.once", run.errors.count("load rain"), 1, 1)
+    run = test.run(scene, mpm_water_level=2.5, mpm_water_above="suction", mpm_water_ramp="1:1,4:0.5", mpm_surfaces="",
+                   mpm_stage_rest_loads="weight")
+    test.check("lost.level", run.errors.count("moves at drained faces alone"), 1, 1)
 
 
 def main():
@@ -135,6 +149,7 @@ def main():
         excess(test)
         plate(test)
         lowered(test)
+        lost(test)
 
 
 if __name__ == "__main__":
