@@ -107,7 +107,7 @@ typedef struct {
   PetscReal mark[2];    /* kinetic and elastic energy before a change without a step */
 } MpmEnergy;
 
-/* Water in the stage under way (consolidation.c, water_state.c). */
+/* Water in the stage under way (consolidation.c, water_limits.c). */
 typedef struct {
   PetscReal most;   /* largest mean size of the excess pressure so far, Pa; -1: unknown */
   PetscReal degree; /* of consolidation at the last step's end */

@@ -1,6 +1,6 @@
 #pragma once
 /*
-  The initial pressure of water, and nodes where it is prescribed (water_state.c).
+  The initial pressure of water, nodes where it is prescribed (water_state.c), and limits of it (water_limits.c).
 */
 #include "base/base.h"
 #include "base/types.h"
