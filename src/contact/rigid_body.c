@@ -163,18 +163,20 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Work of the bodies' loads, on the rank that owns their nodes; the residual has their remainder after contact. */
+/* Work of the mean of the bodies' loads, on the rank that owns their nodes; the residual has their remainder after
+   contact. */
 static PetscErrorCode Work(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
                            MpmTermWork *account)
 {
   const MpmContacts *contacts = (const MpmContacts *)ctx;
-  PetscReal          work     = 0.;
+  PetscReal          work = 0., more = 0.;
 
   PetscFunctionBeginUser;
   (void)at;
   for (PetscInt b = 0; b < contacts->facets.boundary_count && Owns(sum->space); b++) {
     const MpmRigidBody *body = MpmFacetsBody(&contacts->facets, b);
     MpmRigidIncrement   q;
+    MpmRigidBody        mean;
     PetscReal           load[2][3], unused[3][3];
 
     if (!body) continue;
@@ -182,8 +184,16 @@ static PetscErrorCode Work(const void *ctx, const MpmSum *sum, const PetscReal a
     MpmRigidLoad(body, &q, load, unused);
     for (PetscInt n = 0; n < 2; n++)
       for (PetscInt a = 0; a < Components(body, n); a++) work -= load[n][a] * u[(body->node + n) * sum->block + a];
+    mean = *body;
+    for (PetscInt a = 0; a < 3; a++) {
+      mean.load[a]   = body->more * body->freedom->load[a];
+      mean.moment[a] = body->more * body->freedom->moment[a];
+    }
+    MpmRigidLoad(&mean, &q, load, unused);
+    for (PetscInt n = 0; n < 2; n++)
+      for (PetscInt a = 0; a < Components(body, n); a++) more -= load[n][a] * u[(body->node + n) * sum->block + a];
   }
-  account->external += work;
+  account->external += work + more;
   account->dissipated += work;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -57,8 +57,9 @@ void MpmRigidBegin(MpmContacts *contacts, const MpmRules *rules)
 
     if (!body->freedom) continue;
     const PetscBool still  = StandsStill(body->freedom, rules->time.end);
-    const PetscReal start  = part > 0. ? part * LoadFactor(body->freedom, rules->time.start) : 0.;
-    const PetscReal factor = still ? 0. : (1. - part) * LoadFactor(body->freedom, rules->time.end) + start;
+    const PetscReal start  = LoadFactor(body->freedom, rules->time.start);
+    const PetscReal end    = LoadFactor(body->freedom, rules->time.end);
+    const PetscReal factor = still ? 0. : (1. - part) * end + part * start;
 
     MpmRigidRotation(body->placement->turn, body->Q);
     MpmBoundaryReference(boundary, &contacts->facets.before[b], body->pivot);
@@ -68,6 +69,7 @@ void MpmRigidBegin(MpmContacts *contacts, const MpmRules *rules)
       body->load[a]   = factor * body->freedom->load[a] + (still ? 0. : body->freedom->mass * rules->gravity[a]);
       body->moment[a] = factor * body->freedom->moment[a];
     }
+    body->more = still ? 0. : (0.5 - part) * (start - end);
     for (int n = 0; n < 2; n++) body->free[n] = still ? 0 : body->freedom->free[n];
     body->spins = 0;
     body->dt    = rules->dynamic && body->freedom->mass > 0. ? rules->time.end - rules->time.start : 0.;

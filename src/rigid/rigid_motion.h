@@ -44,7 +44,8 @@ struct MpmRigidBody {
   PetscReal Q[3][3];            /* the turn at the step's start */
   PetscReal pivot[3];           /* reference point at the step's start by the prescribed motion alone */
   PetscReal travel[3];          /* increment of the prescribed motion in the step */
-  PetscReal load[3], moment[3]; /* at the step's end */
+  PetscReal load[3], moment[3]; /* of the step's balance */
+  PetscReal more;               /* factor of the ramp's load and moment, from those to the mean of start and end */
   PetscReal guess[6];           /* unknowns from which Newton starts */
   PetscReal dt;                 /* s, in a step in which the body's inertia counts; otherwise 0 */
   PetscInt  spins;              /* a bit for each rotation that nothing ends while the material is at rest */
