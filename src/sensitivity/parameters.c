@@ -177,6 +177,10 @@ static PetscErrorCode Add(const MpmOptions *options, const Places *places, const
   PetscCall(PetscStrallocpy(name, &parameter->name));
   PetscCall(PetscStrallocpy(block, &parameter->block));
   PetscCall(Resolve(options, places, parameter));
+  for (PetscInt k = 0; k + 1 < parameters->count; k++)
+    MpmCheckInput(!MpmSceneParametersMeet(&parameters->at[k], parameter),
+                  "-mpm_parameters %s: is a number of %s already: %s; one of them may stay", name,
+                  parameter->options[0].name, parameters->at[k].name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

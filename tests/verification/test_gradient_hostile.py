@@ -84,6 +84,11 @@ with Test() as test:
     test.check("factor.line", "must not be 0" in none.errors and none.errors.count("\n") == 1, 1, 1)
     test.check("factor.files", len(none.files), 0, 0)
 
+    # nor is a number two parameters by two names
+    for one, other in (("tip.factor", "tip.value:y"), ("beam.E", "material_beam.E")):
+        both = test.run(beam, status=2, **{**value, "mpm_gradient_parameters": f"{one},{other}"})
+        test.check(f"names.{one}", f"{other}: is" in both.errors and both.errors.count("\n") == 1, 1, 1)
+
     # a twin that is refused is freed
     run = test.run(BLOCK, status=3, **{**EXACT, **SMOOTH, "mpm_objectives": "u", **objective("track_toe_ux", kind="value"),
                                        "mpm_material_soil_dilation": 20, "mpm_gradient_method": "twins",

@@ -56,9 +56,9 @@ with Test() as test:
     # inertia, implicit and explicit, whose steps go with the stiffness: small motions are proportional to the load
     vibrating = {"mpm_grid_cells": "20,1", "mpm_time_end": 1.0, "mpm_time_step": 0.1}
     for name, scene, options in (("implicit", example("vibrating_bar"), vibrating), ("explicit", HERE / "explicit_bar.yaml", {"mpm_time_end": 1.5})):
-        value, gradient, _ = differentiate(test, scene, "weight.factor,bar.E,gravity", "track_tip_ux", **options)
+        value, gradient, _ = differentiate(test, scene, "weight.factor,bar.E", "track_tip_ux", **options)
         test.near(f"{name}.load", gradient[0], value, relative=1e-2)
-        test.near(f"{name}.gravity", gradient[2], gradient[0], relative=1e-9)
+        test.near(f"{name}.gravity", differentiate(test, scene, "gravity", "track_tip_ux", **options)[1][0], gradient[0], relative=1e-9)
         if name == "implicit":
             test.near(f"{name}.E", gradient[1], difference(test, scene, "mpm_material_bar_E", 1e4, "track_tip_ux", **options), relative=1e-6)
 
