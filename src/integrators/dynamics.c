@@ -192,15 +192,18 @@ static PetscErrorCode EndConstrained(MpmModel model, PetscReal time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Nodal values of elements from `means`, the points' momentum over a lumped mass of any sign. */
-static PetscErrorCode SolveMass(MpmModel model, const PetscReal means[], PetscReal values[])
+/* Nodal values of elements from the points' momentum; of nodes with a mass of their own from the values themselves. */
+static PetscErrorCode SolveMass(MpmModel model, const PetscReal momentum[], PetscReal values[])
 {
-  const PetscInt dim = model->disc.dim, count = model->state.scheme.dynamics->local * dim;
-  PetscReal     *right;
+  const MpmInertia *inertia = model->disc.context.inertia;
+  const PetscInt    dim = model->disc.dim, count = model->state.scheme.dynamics->local * dim,
+                 extra = model->disc.space->extra.begin;
+  PetscReal *right;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(count, &right));
-  for (PetscInt k = 0; k < count; k++) right[k] = model->disc.context.inertia->mass[k / dim] * means[k];
+  for (PetscInt k = 0; k < count; k++)
+    right[k] = momentum[k] * (k / dim >= extra && k / dim < inertia->owned ? inertia->mass[k / dim] : 1.);
   PetscCall(
     MpmInertiaSolve(model->disc.context.inertia, model->disc.sum, model->disc.constraints, model->comm, right, values));
   PetscCall(PetscFree(right));

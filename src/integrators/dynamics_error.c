@@ -1,6 +1,7 @@
 /*
   The error of an implicit step with inertia.
 */
+#include "grid/grid.h"
 #include "space/space.h"
 #include "space/sum.h"
 #include "transfer/momentum.h"
@@ -36,7 +37,8 @@ static PetscErrorCode FindChange(MpmModel model, PetscReal change[])
   if (euler) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(dynamics->local, &mass));
   PetscCall(MpmMomentumToNodes(model->disc.sum, &MpmModelMotion(model)->transfer, mass, dynamics->v_new, a));
-  for (PetscInt k = 0; k < PetscMin(model->disc.context.inertia->owned * dim, extra); k++) change[k] -= a[k];
+  for (PetscInt k = 0; k < PetscMin(model->disc.context.inertia->owned * dim, extra); k++)
+    change[k] -= model->disc.grid->order == 1 ? a[k] : mass[k / dim] != 0. ? a[k] / mass[k / dim] : 0.;
   PetscCall(PetscFree(mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,7 +7,8 @@
 
 /*
   Mass (kg), and velocity (m/s) and acceleration (m/s2) weighted by it, at all local nodes, ghosts included; dim values
-  a node; `acceleration` may be NULL. Nodes without mass are at rest.
+  a node; `acceleration` may be NULL. Nodes without mass are at rest. Of order 2 and more momentum and mass times
+  acceleration themselves: the masses have any sign, and may be 0 where momentum is not.
 */
 PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer, PetscReal mass[],
                                   PetscReal velocity[], PetscReal acceleration[]);

@@ -140,8 +140,7 @@ PetscErrorCode MpmMomentumToNodes(const MpmSum *sum, const MpmTransfer *transfer
   if (acceleration) PetscCall(MpmSpaceAddToOwners(space, SLIM, (PetscReal *)accelerated));
   if (acceleration) PetscCall(MpmSpaceToGhosts(space, SLIM, (PetscReal *)accelerated));
   for (PetscInt i = 0; i < local; i++) {
-    const PetscBool has = (PetscBool)(moving[i][dim] > 0. || (sum->grid->order > 1 && moving[i][dim] != 0.));
-    const PetscReal by  = has ? 1. / moving[i][dim] : 0.;
+    const PetscReal by = sum->grid->order > 1 ? 1. : moving[i][dim] > 0. ? 1. / moving[i][dim] : 0.;
 
     mass[i] = moving[i][dim];
     for (PetscInt a = 0; a < dim; a++) velocity[i * dim + a] = by * moving[i][a];

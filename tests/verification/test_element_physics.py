@@ -179,8 +179,32 @@ def damage(test):
         test.near(f"broken_cell.{law}.{cells}", energy, told, relative=0.01)
 
 
+MASSLESS = """mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "6,6", cells: "6,6"}
+  shape: element
+  order: 2
+  materials: light,heavy
+  material_light: {type: linear_elastic, E: 1e6, nu: 0.3, density: 1000}
+  material_heavy: {type: linear_elastic, E: 1e6, nu: 0.3, density: 3000}
+  bodies: left,right
+  body_left: {region: box, lower: "2,2", upper: "2.5,4", points_per_cell: "2,2", material: light, velocity: "1,0.3"}
+  body_right: {region: box, lower: "2.5,2", upper: "3,4", points_per_cell: "2,2", material: heavy, velocity: "0.5,0.1"}
+  time: {integrator: newmark, end: 1e-3, step: 1e-3}
+"""
+
+
+def massless(test):
+    """Points at 1/4 and 3/4 of a cell, three times as heavy: a node with momentum and a lumped mass of 0."""
+    path = test.folder() / "massless.yaml"
+    path.write_text(MASSLESS, encoding="utf-8")
+    run = test.run(path)
+    test.check("massless.balance", abs(run.results.column("energy_balance")[-1] / run.results.column("energy_kinetic")[-1]), None, 1e-6)
+
+
 with Test() as test:
     motion(test)
+    massless(test)
     drawn(test)
     torn(test)
     hung(test)
