@@ -196,16 +196,14 @@ static PetscErrorCode EndConstrained(MpmModel model, PetscReal time)
 static PetscErrorCode SolveMass(MpmModel model, const PetscReal momentum[], PetscReal values[])
 {
   const MpmInertia *inertia = model->disc.context.inertia;
-  const PetscInt    dim = model->disc.dim, count = model->state.scheme.dynamics->local * dim,
-                 extra = model->disc.space->extra.begin;
-  PetscReal *right;
+  const PetscInt    dim = model->disc.dim, count = inertia->local * dim, extra = model->disc.space->extra.begin;
+  PetscReal        *right;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(count, &right));
   for (PetscInt k = 0; k < count; k++)
     right[k] = momentum[k] * (k / dim >= extra && k / dim < inertia->owned ? inertia->mass[k / dim] : 1.);
-  PetscCall(
-    MpmInertiaSolve(model->disc.context.inertia, model->disc.sum, model->disc.constraints, model->comm, right, values));
+  PetscCall(MpmInertiaSolve(inertia, model->disc.sum, model->disc.constraints, model->comm, right, values));
   PetscCall(PetscFree(right));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -390,7 +388,6 @@ static PetscErrorCode FindAcceleration(MpmModel model)
 {
   const MpmTransfer only     = {.type = MPM_TRANSFER_FLIP};
   MpmDynamics      *dynamics = model->state.scheme.dynamics;
-  const PetscInt    dim      = model->disc.dim;
   PetscInt          failed;
 
   PetscFunctionBeginUser;
@@ -398,7 +395,7 @@ static PetscErrorCode FindAcceleration(MpmModel model)
   PetscCall(MpmSumResidual(&model->solver, NULL, MPM_MODE_END, &failed));
   PetscCall(MPIU_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT, MPI_SUM, model->comm));
   if (failed) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmNodesToGhosts(&model->disc, dim, model->disc.nodal.residual));
+  PetscCall(MpmNodesToGhosts(&model->disc, model->disc.dim, model->disc.nodal.residual));
   if (model->disc.grid->order > 1) PetscCall(AccelerateConsistent(model));
   else PetscCall(AccelerateLumped(model));
   MpmTermsTake(model->disc.terms, NULL, dynamics->a_new);
