@@ -262,13 +262,16 @@ static PetscBool SlipOf(const MpmContacts *contacts, const MpmPatch *patch, cons
   return (PetscBool)(answer->active && !MpmPatchFlows(contacts, patch));
 }
 
+/* Explicit steps correct no pressure: summed up over steps, depths would excite the contact. */
 static PetscBool PressureOf(const MpmContacts *contacts, const MpmPatch *patch, const MpmPatchAnswer *answer,
                             const MpmFacet *facet, PetscInt axis, PetscReal *value)
 {
+  const PetscReal kept = answer->active ? patch->mean : 0.;
+
   (void)contacts;
   (void)facet;
   (void)axis;
-  *value = -patch->stiffness * answer->gap;
+  *value = patch->direct ? kept : -patch->stiffness * answer->gap;
   return PETSC_TRUE;
 }
 

@@ -59,7 +59,9 @@ void MpmFacetAddForce(const MpmSum *sum, const MpmGroup *box, const PetscReal we
 
 PetscReal MpmPatchAlong(const MpmContacts *contacts, const MpmPatch *patch)
 {
-  return (patch->round || patch->direct ? EQUAL : SLIDING) / MpmContactsGiving(contacts, patch->boundary);
+  const PetscBool sticks = MpmContactSticks(contacts->facets.boundaries[patch->boundary].stick, patch->strength);
+
+  return (sticks || patch->round || patch->direct ? EQUAL : SLIDING) / MpmContactsGiving(contacts, patch->boundary);
 }
 
 /* Traction of a patch that is kept closed and glides: no more than its pressure changes it. */
@@ -330,10 +332,13 @@ static PetscReal InverseMass(const MpmContacts *contacts, const MpmSum *sum, con
   return total;
 }
 
-/* True of a patch that bears the material of a geostatic state. */
-static PetscBool IsAtRest(const MpmContacts *contacts, const MpmPatch *patch)
+/* Pressure that acts at no displacement in explicit steps: of a geostatic state, or of the last correction. */
+static PetscReal Borne(const MpmContacts *contacts, const MpmPatch *patch)
 {
-  return (PetscBool)(contacts->facets.boundaries[patch->boundary].fields.rest && patch->rest != 0.);
+  const MpmBoundary *boundary = &contacts->facets.boundaries[patch->boundary];
+
+  if (boundary->augmented) return patch->mean;
+  return boundary->fields.rest ? patch->rest : 0.;
 }
 
 PetscErrorCode MpmContactsBear(const void *ctx, const MpmSum *sum, PetscReal residual[])
@@ -346,8 +351,10 @@ PetscErrorCode MpmContactsBear(const void *ctx, const MpmSum *sum, PetscReal res
     const MpmPatch *patch = &contacts->patch[k];
     MpmPatchAnswer  answer;
 
-    if (!IsAtRest(contacts, patch)) continue;
-    answer = (MpmPatchAnswer){.gap = -patch->rest / patch->stiffness};
+    const PetscReal pressure = Borne(contacts, patch);
+
+    if (pressure == 0.) continue;
+    answer = (MpmPatchAnswer){.gap = -pressure / patch->stiffness};
     for (PetscInt f = patch->begin; f < patch->end; f++)
       for (PetscInt a = 0; a < dim; a++)
         answer.slip[a] += contacts->facets.at[f].area / patch->area * contacts->facets.at[f].slip[a];
@@ -359,17 +366,17 @@ PetscErrorCode MpmContactsBear(const void *ctx, const MpmSum *sum, PetscReal res
       if (facet->point < 0) continue;
       for (PetscInt a = 0; a < dim; a++) force[a] = answer.traction[a];
       MpmContactAcross(dim, facet->normal, force);
-      for (PetscInt a = 0; a < dim; a++) force[a] = facet->area * (force[a] - patch->rest * facet->normal[a]);
+      for (PetscInt a = 0; a < dim; a++) force[a] = facet->area * (force[a] - pressure * facet->normal[a]);
       MpmFacetAddForce(sum, &sum->space->groups[patch->box], MpmFacetWeights(contacts, f), 1., force, residual);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* In explicit steps the pressure of a geostatic state acts at no displacement, as does the traction of its slip. */
+/* In explicit steps a borne pressure acts at no displacement, as does the traction of its slip. */
 static void BeginAtRest(MpmContacts *contacts, MpmPatch *patch, PetscReal along)
 {
-  patch->shift = patch->rest / patch->stiffness;
+  patch->shift = Borne(contacts, patch) / patch->stiffness;
   patch->slips = along / (MpmPatchAlong(contacts, patch) * patch->stiffness);
   for (PetscInt f = patch->begin; f < patch->end; f++)
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) contacts->facets.at[f].slip[a] *= patch->slips;
@@ -396,7 +403,7 @@ PetscErrorCode MpmContactsLimit(void *ctx, const MpmSum *sum, const PetscReal ma
     if (MpmPatchFlows(contacts, patch) || !(area > 0.) || !(inverse > 0.)) continue;
     patch->direct    = PETSC_TRUE;
     patch->stiffness = PetscMin(patch->stiffness, share / (inverse * dt * dt * area));
-    if (IsAtRest(contacts, patch)) BeginAtRest(contacts, patch, along);
+    if (Borne(contacts, patch) != 0.) BeginAtRest(contacts, patch, along);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

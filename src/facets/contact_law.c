@@ -27,8 +27,8 @@
 PetscBool MpmContactSlide(const MpmContactLaw *law, PetscInt dim, PetscReal pressure, PetscReal slip[],
                           MpmContactFriction *friction)
 {
-  const PetscBool slides = (PetscBool)(!law->stick || law->strength < 0.5 * PETSC_INFINITY);
-  const PetscReal k      = slides ? law->along * law->stiffness : law->stiffness; /* along the surface */
+  const PetscBool slides = (PetscBool)!MpmContactSticks(law->stick, law->strength);
+  const PetscReal k      = law->along * law->stiffness; /* along the surface */
   PetscReal       size = 0., limit = law->friction * PetscMax(pressure, 0.) + law->adhesion, growth = 0.;
 
   *friction = (MpmContactFriction){0};

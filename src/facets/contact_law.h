@@ -10,7 +10,7 @@
 /* Parameters between two surfaces. */
 typedef struct {
   PetscReal stiffness;          /* across, Pa/m */
-  PetscReal along;              /* stiffness along the surface over that across, of contact that may slide */
+  PetscReal along;              /* stiffness along the surface over that across */
   PetscReal friction, adhesion; /* Coulomb's coefficient; Pa */
   PetscReal strength;           /* of the material itself in shear, Pa; or infinite */
   PetscBool stick;              /* the strength bounds the traction */
@@ -23,6 +23,12 @@ typedef struct {
 typedef struct {
   PetscReal traction[MPM_MAX_DIM], by_slip[MPM_MAX_DIM][MPM_MAX_DIM], by_pressure[MPM_MAX_DIM];
 } MpmContactFriction;
+
+/* True where nothing can slide: contact that sticks, to a material whose strength has no bound. */
+static inline PetscBool MpmContactSticks(PetscBool stick, PetscReal strength)
+{
+  return (PetscBool)(stick && strength >= 0.5 * PETSC_INFINITY);
+}
 
 /* v less its part along n. */
 static inline void MpmContactAcross(PetscInt dim, const PetscReal n[], PetscReal v[])

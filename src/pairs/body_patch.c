@@ -53,7 +53,9 @@ PetscReal MpmPairGiving(const MpmPairContacts *contacts, const MpmPairPatch *pat
 
 PetscReal MpmPairAlong(const MpmPairContacts *contacts, const MpmPairPatch *patch)
 {
-  return (patch->direct ? 1. : SLIDING) / MpmPairGiving(contacts, patch);
+  const PetscBool sticks = MpmContactSticks(contacts->pairs->at[patch->pair].stick, patch->strength);
+
+  return (sticks || patch->direct ? 1. : SLIDING) / MpmPairGiving(contacts, patch);
 }
 
 void MpmPairRestForce(const MpmPairContacts *contacts, const MpmPairPatch *patch, PetscInt dim, PetscReal force[])

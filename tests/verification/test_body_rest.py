@@ -32,7 +32,8 @@ def level(test):
     for label in ("on_2", "on_3"):
         test.check(f"level_{label}.same", difference(runs["gravity"].table("stress"), runs[label].table("stress")), None, 1e-9)
     for label, options in (("sticks", {}), ("k0_on_3", {"ranks": 3, "mpm_stage_rest_geostatic_method": "k0", "mpm_stage_rest_geostatic_k0": 0.5}),
-                           ("augmented", {"mpm_contact_ab_method": "augmented"})):  # explicit steps, whose penalties are soft
+                           ("augmented", {"mpm_contact_ab_method": "augmented"}),
+                           ("stick", {"mpm_contact_ab_friction": "stick"})):  # explicit steps, whose penalties are soft
         run = test.run(BLOCK, mpm_stage_hold_time_integrator="explicit", mpm_stage_hold_time_end=0.05, mpm_stage_hold_time_step=5e-4,
                        mpm_material_rock_E=5e7, **options)
         test.check(f"explicit_{label}.force", difference(run.results.column("force_ab_y"), WEIGHT), None, 1e-9)
@@ -103,6 +104,12 @@ def wall(test):
         run = test.run(LEVEL, ranks=3 if shape == "bspline2" else 1, mpm_shape=shape, **sand)
         test.check(f"wall_{shape}.force", difference(run.results.column("reaction_wall_x"), push), None, 1e-7)
         test.check(f"wall_{shape}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
+    motion = {"explicit": {"mpm_stage_hold_time_integrator": "explicit", "mpm_stage_hold_time_end": 0.05, "mpm_stage_hold_time_step": 5e-4},
+              "relaxation": {"mpm_stage_hold_type": "relaxation", "mpm_stage_hold_time_step": 1e-4}}
+    for label, options in (("stick", {"mpm_boundary_wall_friction": "stick"}), ("augmented", {"mpm_boundary_wall_method": "augmented"})):
+        for way, stage in motion.items():  # soft penalties; a pressure that each step corrects would excite the wall
+            run = test.run(LEVEL, **{**sand, "mpm_material_rock_E": 5e7, **options, **stage})
+            test.check(f"wall_{label}_{way}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
 
 
 def slope(test):
