@@ -93,13 +93,17 @@ PetscErrorCode MpmGeostaticRead(MpmModel model, const MpmOptions *options, const
 {
   static const char *const methods[] = {"gravity", "k0", NULL};
   char                     prefix[256];
-  const MpmOptions         block  = {options->comm, prefix, options->record};
-  PetscInt                 method = 0;
+  const MpmOptions         block = {options->comm, prefix, options->record};
+  PetscBool                ratio;
+  PetscInt                 method;
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(prefix, sizeof(prefix), "mpm_stage_%s_geostatic_", name));
+  PetscCall(MpmOptionsHas(&block, "k0", &ratio));
+  method = ratio ? 1 : 0;
   PetscCall(MpmOptionsWord(&block, "method",
-                           "gravity: the loads grow from nothing; k0: the stress follows from the weight above",
+                           "gravity: the loads grow from nothing; k0, the default where there is a ratio: the stress "
+                           "follows from the weight above",
                            methods, MPM_OPTIONAL, &method, NULL));
   geostatic->method     = method ? MPM_GEOSTATIC_K0 : MPM_GEOSTATIC_GRAVITY;
   geostatic->tolerance  = 1e-9;

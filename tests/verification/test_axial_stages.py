@@ -168,9 +168,10 @@ def wet(inner, outer, cells, water=""):
 
 
 def water(test):
-    """Ground with its water level stays at rest: pressure hydrostatic, effective stress that of the weight less buoyancy."""
-    options = {"mpm_stages": "rest,wait", "mpm_stage_rest_type": "geostatic", "mpm_stage_rest_geostatic_method": "k0",
-               "mpm_stage_rest_geostatic_k0": K0, "mpm_stage_wait_time_end": 1e6, "mpm_stage_wait_time_step": 5e5}
+    """Ground with its water level stays at rest: pressure hydrostatic, effective stress that of the weight less buoyancy; a ratio
+    without a method is one for k0."""
+    options = {"mpm_stages": "rest,wait", "mpm_stage_rest_type": "geostatic", "mpm_stage_rest_geostatic_k0": K0,
+               "mpm_stage_wait_time_end": 1e6, "mpm_stage_wait_time_step": 5e5}
     for inner in (0.0, 1.0):
         scene = written(test, wet(inner, inner + 1.5, 6, ", level: 1.5, above: suction"))
         state = test.run(scene, **options).results.state("last")
