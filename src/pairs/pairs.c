@@ -26,8 +26,9 @@ PetscErrorCode MpmPairRead(const MpmOptions *block, PetscInt dim, PetscBool wate
   pair->barrier     = (PetscBool)(method == 1);
   pair->augmented   = (PetscBool)(method == 2);
   pair->penetration = 1e-8;
-  PetscCall(MpmOptionsReal(block, "penetration", "h", "augmented: mean depth in a cell that may remain, by its size",
-                           MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penetration, NULL));
+  if (pair->augmented || MpmOptionsHelp())
+    PetscCall(MpmOptionsReal(block, "penetration", "h", "augmented: mean depth in a cell that may remain, by its size",
+                             MPM_RANGE_POSITIVE, MPM_OPTIONAL, &pair->penetration, NULL));
   PetscCall(
     MpmOptionsReal(block, "penalty", "E/h",
                    "pressure by depth, times the softer body's Young's modulus over the cell size; unless given, "

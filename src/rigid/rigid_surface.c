@@ -75,10 +75,10 @@ PetscErrorCode MpmFrictionRead(const MpmOptions *block, PetscReal *friction, Pet
                            "frictionless", MPM_OPTIONAL, &text));
   PetscCall(MpmOptionsReal(block, "adhesion", "Pa", "traction along the surface that is carried without pressure",
                            MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, adhesion, NULL));
-  MpmCheckInput(MpmOptionsHelp() || !given || *adhesion == 0. || strcmp(text, "frictionless"),
-                "-%sadhesion %g: not with -%sfriction frictionless; friction 0 is a surface with adhesion alone",
-                block->prefix, (double)*adhesion, block->prefix);
   *stick = (PetscBool)!strcmp(text, "stick");
+  MpmCheckInput(MpmOptionsHelp() || !given || *adhesion == 0. || !(*stick || !strcmp(text, "frictionless")),
+                "-%sadhesion %g: not with -%sfriction %s; friction 0 is a surface with adhesion alone", block->prefix,
+                (double)*adhesion, block->prefix, text);
   if (!*stick && strcmp(text, "frictionless")) {
     *friction             = strtod(text, &end);
     const PetscBool angle = (PetscBool)!strcmp(end, "deg");

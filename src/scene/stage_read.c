@@ -355,6 +355,9 @@ static PetscErrorCode CheckBodies(const MpmModel model)
       if (stage->removed[b]) there[b] = PETSC_FALSE;
       MpmCheckInput(stage->material[b] < 0 || there[b], "-mpm_stage_%s_materials %s: the body is not there",
                     stage->name, body);
+      MpmCheckInput(
+        !there[b] || stage->geostatic.method != MPM_GEOSTATIC_K0 || !MpmBodyIsStressed(model->scene.bodies->at[b]),
+        "-mpm_body_%s_initial_stress: not in the geostatic stage %s, whose stress is that of k0", body, stage->name);
       left += there[b] ? 1 : 0;
     }
     MpmCheckInput(left, "-mpm_stage_%s_%s: no body is left", stage->name ? stage->name : "",

@@ -316,6 +316,8 @@ CASES = [
     ("unknown friction", {**PLANE, "mpm_boundary_wall_friction": "sticky"}, "-mpm_boundary_wall_friction"),
     ("adhesion without friction", {**PLANE, "mpm_boundary_wall_friction": "frictionless", "mpm_boundary_wall_adhesion": "1e3"},
      "-mpm_boundary_wall_adhesion 1000"),
+    ("adhesion that sticks", {**PLANE, "mpm_boundary_wall_friction": "stick", "mpm_boundary_wall_adhesion": "1e3"},
+     "-mpm_boundary_wall_adhesion 1000"),
     ("unknown contact", {**PLANE, "mpm_boundary_wall_contact": "loose"}, "-mpm_boundary_wall_contact"),
     ("boundary for the points of a file", {**PLANE, "mpm_boundary_wall_points_region": "file"},
      "-mpm_boundary_wall_points_region"),
@@ -351,6 +353,8 @@ CASES = [
     ("boundary that holds no points", {**PLANE, "mpm_boundary_wall_point": "3,0",
                                        "mpm_boundary_wall_contact": "bilateral"}, "-mpm_boundary_wall_contact"),
     # contacts of bodies
+    ("penetration of penalties", {**TOP, "mpm_contacts": "a", "mpm_contact_a_bodies": "block,top", "mpm_contact_a_penetration": "1e-3"},
+     "-mpm_contact_a_penetration"),
     ("two contacts of the same bodies", {**TOP, "mpm_contacts": "a,b", "mpm_contact_a_bodies": "block,top", "mpm_contact_b_bodies": "top,block"},
      "-mpm_contact_b_bodies top,block: contact a is that of the same bodies"),
     # surfaces of bodies
@@ -495,6 +499,7 @@ CASES = [
     ("k0 in words", {**GEOSTATIC, "mpm_stage_one_geostatic_k0": "block:much"}, "-mpm_stage_one_geostatic_k0 block:much: must be a number"),
     ("k0 that the law does not know", {**GEOSTATIC, "mpm_stage_one_geostatic_k0": "ocr"},
      "-mpm_stage_one_geostatic_k0 ocr: hencky does not know"),
+    ("stress that k0 replaces", {**GEOSTATIC, "mpm_body_block_initial_stress": "-1e3"}, "-mpm_body_block_initial_stress"),
     ("k0 without gravity", {**GEOSTATIC, "mpm_stage_one_loads": "push"}, "-mpm_stage_one_geostatic_method"),
     ("k0 with oblique gravity", {**GEOSTATIC, "mpm_load_weight_value": "1,-1"}, "-mpm_stage_one_geostatic_method"),
     ("unknown geostatic method", {**GEOSTATIC, "mpm_stage_one_geostatic_method": "guess"},
