@@ -14,8 +14,8 @@
   end        end of a solution: exact forces and tangents from here on; not collective
   holds      true where the term, in the iteration under way, keeps contacts closed that its law would open; equal on
              all ranks
-  soften     another attempt at a step: factor on the elastic slip of sticking contact, over that of a first attempt,
-             until the next `prepare`; not collective
+  soften     factor on the elastic slip of sticking contact, for a first iterate alone: 1 before the answer; tractions
+             at the step's start stay; not collective
   firmness   stiffness against the grid's nodes, over that of the material; 0: nothing is near; not collective
   squares    adds the squares of this rank's forces, N^2; not collective
   imbalance  residual of the term's own unknowns over their loads, from the owned unknowns' residual, on the rank that

@@ -45,7 +45,7 @@ typedef struct {
   PetscReal least;           /* stiffness of sliding along its direction, over that across (contact_law.h) */
   PetscReal raised;          /* augmented: stiffness in this step over that of the penalty */
   PetscReal deepest;         /* augmented: depth of the last correction over its tolerance */
-  PetscReal give;            /* factor on the elastic slip of sticking patches in this attempt */
+  PetscReal give;            /* factor on the elastic slip of sticking patches; 1 but for a first iterate */
   PetscBool near;            /* in this step there are patches, of any rank */
   PetscBool bare;            /* there were none in the last step that was taken: points keep nothing of contact */
 } MpmContactNewton;
@@ -127,8 +127,8 @@ PetscErrorCode MpmContactsFollow(void *ctx, const MpmSum *sum, const PetscReal u
 void           MpmContactsEnd(void *ctx);
 
 /*
-  For another attempt at a step: factor `give` on the elastic slip of sticking contact, from the tractions at the step's
-  start; the next `prepare` ends it (contact_states.c).
+  Factor `give` on the elastic slip of sticking contact, from the tractions at the step's start (contact_states.c): for
+  a first iterate alone, 1 before the answer.
 */
 void MpmContactsGive(void *ctx, PetscReal give);
 /* By how much a boundary gives. */

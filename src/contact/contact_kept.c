@@ -257,8 +257,7 @@ static PetscBool SlipOf(const MpmContacts *contacts, const MpmPatch *patch, cons
                         const MpmFacet *facet, PetscInt axis, PetscReal *value)
 {
   (void)facet;
-  *value =
-    answer->slip[axis] / (MpmContactsGiving(contacts, patch->boundary) * (patch->slips > 0. ? patch->slips : 1.));
+  *value = answer->slip[axis] / (patch->slips > 0. ? patch->slips : 1.);
   return (PetscBool)(answer->active && !MpmPatchFlows(contacts, patch));
 }
 

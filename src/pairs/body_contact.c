@@ -263,7 +263,7 @@ static PetscErrorCode Commit(void *ctx, const MpmSum *sum, const PetscReal u[], 
     MpmPairEvaluate(contacts, &contacts->patch[k], sum->space->dim, w, &answer);
     if (contacts->moved && answer.active) KeepSlip(contacts, &contacts->patch[k], sum, answer.slip);
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-      slip[k][a] = answer.slip[a] / MpmPairGiving(contacts, &contacts->patch[k]);
+      slip[k][a] = answer.slip[a];
       if (contacts->patch[k].slips > 0.) slip[k][a] /= contacts->patch[k].slips;
       contacts->force[contacts->patch[k].pair][a] += answer.force[a];
     }

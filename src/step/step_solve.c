@@ -62,12 +62,13 @@ static PetscErrorCode TryAll(MpmModel model, SNESConvergedReason *reason)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define GIVE 64. /* factor on the elastic slip of sticking patches, in the last attempts at a step that was cut */
+#define SMOOTH 0x1p30 /* factor on the elastic slip of sticking patches at which their tractions stay as they are */
 
 /*
-  All attempts. Where friction is low, sticking is stiff over so small a slip that Newton's method alternates between
-  sliding one way and the other, however short the step. A step that was cut is therefore tried once more with a larger
-  elastic slip.
+  All attempts. Before contact has a pressure it may only stick, and what sticks may carry so much that all the material
+  flows; where friction is low sticking is stiff over so small a slip that Newton's method alternates between sliding
+  one way and the other. The last attempt therefore starts from a solution with smooth contact, in which tractions along
+  it stay those at the step's start.
 */
 static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
 {
@@ -76,11 +77,13 @@ static PetscErrorCode Solve(MpmModel model, SNESConvergedReason *reason)
   PetscFunctionBeginUser;
   model->solver.iterations.newton = model->solver.iterations.linear = 0;
   PetscCall(TryAll(model, reason));
-  if (*reason >= 0 || !model->state.cuts.step || !slides) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmTermsSoften(model->disc.terms, GIVE);
+  if (*reason >= 0 || !slides) PetscFunctionReturn(PETSC_SUCCESS);
   model->solver.cache.predicted = PETSC_FALSE;
   PetscCall(MpmStepStart(model, PETSC_FALSE));
-  PetscCall(TryAll(model, reason));
+  MpmTermsSoften(model->disc.terms, SMOOTH);
+  PetscCall(MpmSolverSolve(&model->solver, reason));
+  MpmTermsSoften(model->disc.terms, 1.);
+  if (*reason >= 0) PetscCall(MpmSolverSolve(&model->solver, reason));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

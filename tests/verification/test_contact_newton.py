@@ -51,6 +51,29 @@ BASE = """  body_base: {region: box, lower: "0,0", upper: "8,0.5", points_per_ce
   bc_base: {region: box, lower: "0,0", upper: "8,0", components: "x,y"}
   contacts: ab
   contact_ab: {bodies: "block,base", friction: %g}"""
+SILO = """
+mpm:
+  dim: 2
+  grid: {lower: "0,0", upper: "0.75,2.25", cells: "6,18"}
+  materials: sand,wall
+  material_sand: {type: mohr_coulomb, E: 2e6, nu: 0.3, density: 1600, cohesion: 0, friction: 30, dilation: 0}
+  material_wall: {type: hencky, E: 2e7, nu: 0, density: 0.1}
+  bodies: %s
+  body_sand: {region: box, lower: "0,0", upper: "0.5,2", points_per_cell: "2,2", material: sand}
+  bcs: base,left%s
+  bc_base: {region: box, lower: "0,0", upper: "0.75,0", components: "y"}
+  bc_left: {region: box, lower: "0,0", upper: "0,2.25", components: "x"}
+%s
+  loads: weight
+  load_weight: {type: gravity, value: "0,-10", ramp: "0:0,1:1"}
+  time: {end: 1, step: %g}
+  output: {prefix: silo}
+"""
+WALL = '  boundaries: wall\n  boundary_wall: {type: plane, point: "0.5,0", normal: "-1,0", friction: %g}'
+BLOCK = """  body_wall: {region: box, lower: "0.5,0", upper: "0.75,2.25", points_per_cell: "2,2", material: wall}
+  bc_back: {region: box, lower: "0.75,0", upper: "0.75,2.25", components: "x,y"}
+  contacts: rough
+  contact_rough: {bodies: "sand,wall", friction: %g}"""
 SHORT = {"mpm_output_every": 0, "mpm_quiet": None}
 
 
@@ -121,8 +144,29 @@ def spread(test):
     test.check("spread.ranks", abs(one - other).max(), None, 1e-9)
 
 
+def silo(test):
+    """Sand without cohesion fills a silo: all of it slides down its wall, whatever the step, and the wall carries friction's part."""
+    scene = test.folder() / "silo.yaml"
+    base = {}
+    for friction, step, ranks in ((0.01, 1.0, 1), (0.2, 1.0, 1), (0.2, 0.25, 3)):
+        scene.write_text(SILO % ("sand", "", WALL % friction, step), encoding="utf-8")
+        run = test.run(scene, ranks=ranks, **SHORT)
+        normal, along, base[friction, step] = (-run.results.column("reaction_wall_x")[-1], run.results.column("reaction_wall_y")[-1],
+                                               run.results.column("reaction_base_y")[-1])
+        few(test, f"silo.{friction}.{step}", run, 12)
+        test.near(f"silo.{friction}.{step}.slides", along / normal, friction, relative=1e-6)
+        test.near(f"silo.{friction}.{step}.weight", along + base[friction, step], 16e3, relative=1e-6)
+    test.near("silo.step", base[0.2, 0.25], base[0.2, 1.0], relative=1e-3)
+    scene.write_text(SILO % ("sand,wall", ",back", BLOCK % 0.2, 1.0), encoding="utf-8")
+    run = test.run(scene, **SHORT)
+    few(test, "silo.block", run, 12)
+    part = abs(run.results.column("force_rough_y")[-1] / run.results.column("force_rough_x")[-1])
+    test.check("silo.block.slides", part, 0.18, 0.2)  # at the base it sticks
+
+
 with Test() as check:
     fall(check)
+    silo(check)
     level(check)
     held(check)
     let_go(check)
