@@ -232,19 +232,23 @@ static void ExplainIterations(MpmModel model, const MpmRest *rest, PetscInt solv
                        (double)moved, text);
 }
 
-/* Says how much of the loads the ground bears, where they grow. */
-static void ExplainPart(PetscReal part, MpmOutcome *outcome)
+/* Says how much of the loads the ground bears, where they grow, and what may be wrong with the scene. */
+static void ExplainPart(const MpmModel model, PetscReal part, MpmOutcome *outcome)
 {
+  const MpmGeostatic *geostatic = &model->scene.stages.at[model->state.stage].geostatic;
+  const char         *hint      = "";
+
   if (part <= 0.) return;
-  if (part >= 1.)
-    (void)MpmOutcomeExplain(
-      outcome,
-      "no equilibrium under the loads: %s; with the method gravity the line says which part of them "
-      "the ground bears",
-      outcome->text);
+  if (outcome->code == MPM_OUTCOME_NO_SOLUTION && MpmShapeDegree(model->scene.shape.type) == 3 &&
+      model->scene.stabilization.fbar)
+    hint = "; below a surface on a row of nodes bspline3 with F-bar needs tension, without it "
+           "(-mpm_stabilization_fbar false) or with gimp it does not";
+  else if (outcome->code == MPM_OUTCOME_NO_SOLUTION && geostatic->method == MPM_GEOSTATIC_K0)
+    hint = "; with the method gravity the line says which part of them the ground bears";
+  if (part >= 1.) (void)MpmOutcomeExplain(outcome, "no equilibrium under the loads: %s%s", outcome->text, hint);
   else
-    (void)MpmOutcomeExplain(outcome, "the ground collapses under its loads: it bears %.4g of them; beyond that %s",
-                            (double)part, outcome->text);
+    (void)MpmOutcomeExplain(outcome, "the ground collapses under its loads: it bears %.4g of them; beyond that %s%s",
+                            (double)part, outcome->text, hint);
 }
 
 /* Steps until the points are in equilibrium; `solved` counts those under the full loads. */
@@ -273,7 +277,7 @@ static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *s
     if (outcome->code) {
       again = PETSC_FALSE;
       if (outcome->retryable) PetscCall(TryAgain(model, part, &grow, outcome->text, &again));
-      if (!again && outcome->retryable) ExplainPart(part, outcome);
+      if (!again && outcome->retryable) ExplainPart(model, part, outcome);
       if (!again) break;
       continue;
     }

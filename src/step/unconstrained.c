@@ -313,6 +313,21 @@ static void AddLoads(Pieces *pieces)
 
 /* ---- free motions ---- */
 
+/* True for a translation. */
+static PetscBool IsTranslation(const Pieces *pieces, const PetscReal motion[])
+{
+  for (PetscInt k = pieces->dim; k < pieces->motions; k++)
+    if (PetscAbsReal(motion[k]) > (pieces->kind == WHOLE ? 1e-6 : TURNS)) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/* True of a motion that nothing holds, or across bodies' contacts no more than the turn of their faces does. */
+static PetscBool IsFree(const Pieces *pieces, PetscReal held, const PetscReal motion[])
+{
+  return (PetscBool)(held <= ZERO ||
+                     (pieces->kind == APART && held <= PetscSqr(TURNS) && IsTranslation(pieces, motion)));
+}
+
 static PetscErrorCode FindFreedom(const Pieces *pieces, const Sums *sums, Freedom *freedom)
 {
   const PetscInt m = pieces->motions;
@@ -328,7 +343,7 @@ static PetscErrorCode FindFreedom(const Pieces *pieces, const Sums *sums, Freedo
   PetscCallBLAS("LAPACKsyev", LAPACKsyev_("V", "U", &n, vectors, &n, value, work, &size, &info));
   PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK syev failed with %d", (int)info);
   for (PetscInt k = 0; k < m; k++) {
-    if (value[k] > ZERO * trace) continue;
+    if (!IsFree(pieces, trace > 0. ? value[k] / trace : 0., &vectors[k * m])) continue;
     PetscCall(PetscArraycpy(freedom->free[freedom->free_count], &vectors[k * m], m));
     freedom->free_count++;
   }
@@ -336,7 +351,7 @@ static PetscErrorCode FindFreedom(const Pieces *pieces, const Sums *sums, Freedo
     PetscReal square = 0.;
 
     for (PetscInt k = 0; k < freedom->free_count; k++) square += PetscSqr(freedom->free[k][a]);
-    freedom->axis[a] = (PetscBool)(square > 1. - (pieces->kind == LOOSE ? PetscSqr(TURNS) : 1e-6));
+    freedom->axis[a] = (PetscBool)(square > 1. - (pieces->kind == WHOLE ? 1e-6 : PetscSqr(TURNS)));
     if (freedom->axis[a] && PetscAbsReal(sums->load[a]) > ZERO * sums->size) freedom->pushed = PETSC_TRUE;
   }
   for (PetscInt k = 0; pieces->kind == LOOSE && k < freedom->free_count; k++) {
@@ -346,14 +361,6 @@ static PetscErrorCode FindFreedom(const Pieces *pieces, const Sums *sums, Freedo
     if (PetscAbsReal(push) > PUSHED * sums->size) freedom->pushed = PETSC_TRUE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* True for a translation along no axis. */
-static PetscBool IsOblique(const Pieces *pieces, const PetscReal motion[])
-{
-  for (PetscInt k = pieces->dim; k < pieces->motions; k++)
-    if (PetscAbsReal(motion[k]) > (pieces->kind == LOOSE ? TURNS : 1e-6)) return PETSC_FALSE;
-  return PETSC_TRUE;
 }
 
 static PetscErrorCode DescribeVector(const Pieces *pieces, const char head[], const PetscReal vector[], char **text)
@@ -399,7 +406,7 @@ static PetscErrorCode Describe(const Pieces *pieces, PetscInt piece, const Freed
   PetscCall(MpmTextAppend(text, " against "));
   for (PetscInt a = 0; a < pieces->dim; a++)
     if (freedom->axis[a]) PetscCall(MpmTextAppend(text, "%s%c", named++ ? ", " : "translation in ", "xyz"[a]));
-  if (!named && IsOblique(pieces, freedom->free[0]))
+  if (!named && IsTranslation(pieces, freedom->free[0]))
     PetscCall(DescribeVector(pieces, "translation along ", freedom->free[0], text));
   else if (freedom->free_count > named) PetscCall(MpmTextAppend(text, "%srotation", named ? " and " : ""));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -29,6 +29,8 @@ def level(test):
         test.check(f"level_{label}.newton", np.max(run.newton[1:]), None, 1)
     run = test.run(BLOCK, mpm_contact_ab_method="barrier", mpm_stage_hold_bodies="block")  # joins without a gap
     test.check("level_joins.force", difference(run.results.column("force_ab_y")[-1], WEIGHT), None, 1e-9)
+    run = test.run(BLOCK, mpm_contact_ab_friction="frictionless", status=3)
+    test.check("level_slides.line", "nothing holds body block against translation in x" in run.errors, True, True)
     for label in ("on_2", "on_3"):
         test.check(f"level_{label}.same", difference(runs["gravity"].table("stress"), runs[label].table("stress")), None, 1e-9)
     for label, options in (("sticks", {}), ("k0_on_3", {"ranks": 3, "mpm_stage_rest_geostatic_method": "k0", "mpm_stage_rest_geostatic_k0": 0.5}),
@@ -104,6 +106,8 @@ def wall(test):
         run = test.run(LEVEL, ranks=3 if shape == "bspline2" else 1, mpm_shape=shape, **sand)
         test.check(f"wall_{shape}.force", difference(run.results.column("reaction_wall_x"), push), None, 1e-7)
         test.check(f"wall_{shape}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
+    run = test.run(LEVEL, mpm_shape="bspline3", status=3, **sand)
+    test.check("wall_bspline3.line", "bspline3 with F-bar needs tension" in run.errors, True, True)
     motion = {"explicit": {"mpm_stage_hold_time_integrator": "explicit", "mpm_stage_hold_time_end": 0.05, "mpm_stage_hold_time_step": 5e-4},
               "relaxation": {"mpm_stage_hold_type": "relaxation", "mpm_stage_hold_time_step": 1e-4}}
     for label, options in (("stick", {"mpm_boundary_wall_friction": "stick"}), ("augmented", {"mpm_boundary_wall_method": "augmented"})):
