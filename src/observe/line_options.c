@@ -190,5 +190,8 @@ PetscErrorCode MpmLinesRead(MpmModel model, const MpmOptions *options)
   for (lines->profile_count = 0; lines->profile_count < count; lines->profile_count++)
     PetscCall(CreateProfile(options, lines->profile_names[lines->profile_count], model->disc.grid, moves,
                             model->scene.bodies, &lines->profiles[lines->profile_count]));
+  MpmCheckInput(!model->scene.deformation.bed || !(model->disc.sections || count) || MpmOptionsHelp(),
+                "-mpm_%s: there are none yet with -mpm_physics %s", model->disc.sections ? "sections" : "profiles",
+                model->scene.physics.name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -353,6 +353,7 @@ with Test() as test:
     refuse(test, "history", "initial_depth: unknown option", mpm_body_left_initial_depth=2)
     refuse(test, "boundary", "there are none yet", mpm_boundaries="ball", mpm_boundary_ball_type="sphere",
            mpm_boundary_ball_center="0,0", mpm_boundary_ball_radius=1)
+    refuse(test, "section", "-mpm_sections: there are none yet", mpm_sections="cut", mpm_section_cut_point="1,1", mpm_section_cut_normal="1,0")
     refuse(test, "implicit", "must be explicit", "quasistatic, step: 0.1")
     refuse(test, "law", "must be one of", mpm_material_mud_type="j2")
     refuse(test, "depth", "must be > 0", mpm_body_left_depth=-1)
