@@ -61,6 +61,7 @@ typedef struct MpmSurfaceFaces {
   const MpmConditions   *bcs;               /* on planes of symmetry */
   const MpmActing       *bcs_acting;        /* by condition */
   PetscReal             *factor, *pressure; /* by surface, at the step's end */
+  PetscReal             *mean;              /* factor by surface with which loads do their work in the step */
   PetscReal             *outflow;           /* by surface, of the step or its second sub-step, m3 */
   PetscReal             *first;             /* by surface, weighted contribution of the first sub-step, m3 */
   PetscBool              any_held;
@@ -70,8 +71,10 @@ typedef struct MpmSurfaceFaces {
   const MpmKernelSet    *kernel;    /* of the physics without means over cells */
   PetscInt               component; /* of a node's unknowns: the pressure; -1: there is none */
   MpmSurfaceFaceList     list;
-  MpmEdgePieces         *pieces;  /* by surface, of bodies whose edge is cut */
-  PetscBool             *present; /* by body, whether it has points; of scenes with those */
+  struct {
+    MpmEdgePieces *pieces;  /* by surface, of bodies whose edge is cut */
+    PetscBool     *present; /* by body, whether it has points; of scenes with those */
+  } drawn;
 } MpmSurfaceFaces;
 
 /* `layout` is that of the scene's physics; tolerances of regions by axis, m. */

@@ -49,23 +49,24 @@ PetscErrorCode MpmSurfaceCutPresent(MpmSurfaceFaces *faces, const MpmPoints *poi
   for (PetscInt k = 0; k < faces->surfaces->count; k++)
     if (faces->surfaces->at[k].cut && faces->acting[k].active) bodies = faces->surfaces->at[k].cut;
   if (!bodies || bodies->count < 2) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!faces->present) PetscCall(PetscMalloc1(bodies->count, &faces->present));
+  if (!faces->drawn.present) PetscCall(PetscMalloc1(bodies->count, &faces->drawn.present));
   for (PetscInt b = 0; b < bodies->count; b++) {
     PetscInt first, end;
 
     MpmBodyGetIds(bodies->at[b], &first, &end);
-    faces->present[b] = PETSC_FALSE;
-    for (PetscInt p = 0; p < points->count && !faces->present[b]; p++)
-      faces->present[b] = (PetscBool)(points->id[p] >= first && points->id[p] < end);
+    faces->drawn.present[b] = PETSC_FALSE;
+    for (PetscInt p = 0; p < points->count && !faces->drawn.present[b]; p++)
+      faces->drawn.present[b] = (PetscBool)(points->id[p] >= first && points->id[p] < end);
   }
-  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, faces->present, (PetscMPIInt)bodies->count, MPM_MPI_BOOL, MPI_LOR, comm));
+  PetscCall(
+    MPIU_Allreduce(MPI_IN_PLACE, faces->drawn.present, (PetscMPIInt)bodies->count, MPM_MPI_BOOL, MPI_LOR, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* True where another body of the same part stands behind a piece. */
 static PetscBool IsCovered(const MpmSurfaceFaces *faces, const MpmBodySurface *surface, const MpmEdgePiece *piece)
 {
-  return (PetscBool)(piece->behind >= 0 && faces->present[piece->behind] &&
+  return (PetscBool)(piece->behind >= 0 && faces->drawn.present[piece->behind] &&
                      (!surface->cut->part || surface->cut->part[piece->behind] == surface->cut->part[surface->body]));
 }
 

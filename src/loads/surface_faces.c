@@ -26,7 +26,7 @@ PetscErrorCode MpmSurfaceFacesCreate(const MpmBodySurfaces *surfaces, MpmLoadAct
   *faces = (MpmSurfaceFaces){.surfaces = surfaces, .acting = acting, .component = -1};
   PetscCall(PetscCalloc4(surfaces->count, &faces->factor, surfaces->count, &faces->pressure, surfaces->count,
                          &faces->outflow, surfaces->count, &faces->first));
-  PetscCall(PetscCalloc1(surfaces->count, &faces->pieces));
+  PetscCall(PetscCalloc2(surfaces->count, &faces->drawn.pieces, surfaces->count, &faces->mean));
   for (PetscInt k = 0; k < surfaces->count; k++) faces->any_held = (PetscBool)(faces->any_held || surfaces->at[k].held);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -35,10 +35,10 @@ PetscErrorCode MpmSurfaceFacesDestroy(MpmSurfaceFaces *faces)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscFree4(faces->factor, faces->pressure, faces->outflow, faces->first));
-  for (PetscInt k = 0; faces->pieces && k < faces->surfaces->count; k++)
-    PetscCall(MpmEdgePiecesDestroy(&faces->pieces[k]));
-  PetscCall(PetscFree(faces->pieces));
-  PetscCall(PetscFree(faces->present));
+  for (PetscInt k = 0; faces->drawn.pieces && k < faces->surfaces->count; k++)
+    PetscCall(MpmEdgePiecesDestroy(&faces->drawn.pieces[k]));
+  PetscCall(PetscFree2(faces->drawn.pieces, faces->mean));
+  PetscCall(PetscFree(faces->drawn.present));
   PetscCall(PetscFree(faces->list.at));
   PetscCall(PetscFree(faces->list.weight));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -235,7 +235,8 @@ static PetscErrorCode AddInner(MpmSurfaceFaces *faces, const MpmFaceSpace *at, c
 
   PetscFunctionBeginUser;
   PetscCall(Reserve(faces, faces->list.used + room + nodes));
-  if (!MpmSurfaceCutInner(at, &faces->pieces[face->surface], cut, loaded, face, &faces->list.weight[faces->list.used]))
+  if (!MpmSurfaceCutInner(at, &faces->drawn.pieces[face->surface], cut, loaded, face,
+                          &faces->list.weight[faces->list.used]))
     PetscFunctionReturn(PETSC_SUCCESS);
   face->inner = faces->list.used;
   faces->list.used += room;
@@ -251,7 +252,7 @@ static PetscErrorCode FacesOfCut(MpmSurfaceFaces *faces, const MpmFaceSpace *at,
 
   PetscFunctionBeginUser;
   for (PetscInt k = cut->first; k < cut->first + cut->count; k++) {
-    const MpmEdgePiece *piece = &faces->pieces[surface].at[k];
+    const MpmEdgePiece *piece = &faces->drawn.pieces[surface].at[k];
     MpmSurfaceFace      face  = {.surface = surface, .point = start->point, .group = start->group, .inner = -1};
 
     if (!MpmSurfaceCutFace(faces, piece, at->points, at->space->dim, outer, &face)) continue;
@@ -273,8 +274,8 @@ static PetscErrorCode FacesOfPoint(MpmSurfaceFaces *faces, const MpmFaceSpace *a
   PetscFunctionBeginUser;
   if (!(outer & faces->surfaces->at[surface].faces) || !Has(faces, surface, at->points->id[p]))
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSurfaceCutPoint(&faces->surfaces->at[surface], &faces->pieces[surface], at->rules->grid, at->points, p,
-                               &outer, &cut));
+  PetscCall(MpmSurfaceCutPoint(&faces->surfaces->at[surface], &faces->drawn.pieces[surface], at->rules->grid,
+                               at->points, p, &outer, &cut));
   if (cut) PetscFunctionReturn(FacesOfCut(faces, at, surface, start, outer, cut));
   for (PetscInt side = 0; side < 2 * dim; side++) {
     const PetscInt bit   = MpmFaceBit(side / 2, side % 2);

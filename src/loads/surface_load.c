@@ -24,14 +24,14 @@ typedef struct {
   MpmBasis  basis;
   PetscReal gradient[3][3];                 /* dF - I */
   PetscReal force[3], by_gradient[3][3][3]; /* d force[i]/d dF[k][l] */
-} Work;
+} Force;
 
 /*
   gradient[c][d] = sum_i u_i,c grad_d w_i at the face's point, whose basis functions are written to `work`; and with
   axial symmetry, in [2][2], the hoop strain of the face.
 */
 static void Gradient(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[],
-                     Work *work, PetscReal gradient[3][3])
+                     Force *work, PetscReal gradient[3][3])
 {
   const MpmGroup *group = &sum->space->groups[face->group];
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
@@ -81,7 +81,7 @@ static PetscReal Normal(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face
 
 /* The force that acts on the face at the displacement u. */
 static void Evaluate(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const PetscReal u[],
-                     Work *work)
+                     Force *work)
 {
   const MpmBodySurface *surface = &faces->surfaces->at[face->surface];
   const PetscReal       factor  = faces->factor[face->surface];
@@ -133,7 +133,7 @@ static void StressBehind(const MpmSurfaceFaces *faces, const MpmSurfaceFace *fac
 
 /* The force on node i, in work->force, behind Evaluate() of the face. */
 static void EvaluateInner(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, PetscInt dim, PetscInt i,
-                          Work *work)
+                          Force *work)
 {
   PetscReal stress[3][3], area[3], by[3][3][3], at[3] = {0., 0., 0.};
 
@@ -154,7 +154,7 @@ static void EvaluateInner(const MpmSurfaceFaces *faces, const MpmSurfaceFace *fa
 
 /* The residual behind Evaluate(), or its change by a change of dF. */
 static void AddInner(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum,
-                     const PetscReal change[3][3], Work *work, PetscReal y[])
+                     const PetscReal change[3][3], Force *work, PetscReal y[])
 {
   const MpmGroup *group = &sum->space->groups[face->group];
   const PetscInt *nodes = &sum->space->group_nodes[group->node_offset];
@@ -191,7 +191,7 @@ static PetscErrorCode Residual(const void *ctx, const MpmSum *sum, const PetscRe
                                PetscInt *failed)
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
-  Work                   work;
+  Force                  work;
 
   PetscFunctionBeginUser;
   (void)failed;
@@ -211,7 +211,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
                             PetscReal y[])
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
-  Work                   work;
+  Force                  work;
 
   PetscFunctionBeginUser;
   if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
@@ -234,7 +234,7 @@ static PetscErrorCode Apply(const void *ctx, const MpmSum *sum, const PetscReal 
 }
 
 /* The tangent's entry for a force c of the weight `own`, node j and displacement d. */
-static PetscReal Entry(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const Work *work,
+static PetscReal Entry(const MpmSurfaceFaces *faces, const MpmSurfaceFace *face, const MpmSum *sum, const Force *work,
                        PetscReal own, PetscInt cd, PetscInt j)
 {
   const PetscInt   dim = sum->space->dim, c = cd / dim, d = cd % dim;
@@ -250,7 +250,7 @@ static PetscErrorCode Diagonal(const void *ctx, const MpmSum *sum, const PetscRe
 {
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
   const PetscInt         dim = sum->space->dim, bs = sum->block;
-  Work                   work;
+  Force                  work;
 
   PetscFunctionBeginUser;
   (void)failed;
@@ -283,7 +283,7 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   const MpmSurfaceFaces *faces = (const MpmSurfaceFaces *)ctx;
   const PetscInt         dim = sum->space->dim, bs = sum->block, most = PetscPowInt(sum->space->width, dim);
   PetscReal             *element;
-  Work                   work;
+  Force                  work;
 
   PetscFunctionBeginUser;
   if (!faces->list.count) PetscFunctionReturn(PETSC_SUCCESS);
@@ -316,16 +316,35 @@ static PetscErrorCode Tangent(const void *ctx, const MpmSum *sum, const PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* By the mean factor of the step, in u, of the forces at `at`. */
+static PetscErrorCode Work(const void *ctx, const MpmSum *sum, const PetscReal at[], const PetscReal u[],
+                           MpmTermWork *account)
+{
+  const PetscInt  dim = sum->space->dim, bs = sum->block, local = sum->space->local;
+  MpmSurfaceFaces mean   = *(const MpmSurfaceFaces *)ctx;
+  PetscInt        failed = 0;
+  PetscReal      *force;
+
+  PetscFunctionBeginUser;
+  mean.factor = mean.mean;
+  PetscCall(PetscCalloc1((local * bs), &force));
+  PetscCall(Residual(&mean, sum, at, force, &failed));
+  for (PetscInt k = 0; k < local * bs; k++)
+    if (k % bs < dim) account->external -= force[k] * u[k];
+  PetscCall(PetscFree(force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscBool Idle(const void *ctx)
 {
   return (PetscBool) !((const MpmSurfaceFaces *)ctx)->list.count;
 }
 
-const MpmTerm MpmTermSurfaces = {.name           = "surfaces of bodies",
-                                 .energy.account = MPM_ACCOUNT_EXTERNAL,
-                                 .idle           = Idle,
-                                 .boxes          = MpmSurfaceFacesFind,
-                                 .residual       = Residual,
-                                 .tangent        = Tangent,
-                                 .apply          = Apply,
-                                 .diagonal       = Diagonal};
+const MpmTerm MpmTermSurfaces = {.name        = "surfaces of bodies",
+                                 .energy.work = Work,
+                                 .idle        = Idle,
+                                 .boxes       = MpmSurfaceFacesFind,
+                                 .residual    = Residual,
+                                 .tangent     = Tangent,
+                                 .apply       = Apply,
+                                 .diagonal    = Diagonal};

@@ -215,6 +215,13 @@ PetscErrorCode MpmStepMeanLoads(MpmModel model, PetscReal time, PetscReal part, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Factor with which a load does its work in a step to `time`. */
+static PetscReal MeanFactor(const MpmModel model, PetscInt load, PetscReal time)
+{
+  if (model->state.scheme.integrator->length) return MpmStepLoadFactor(model, load, time);
+  return 0.5 * (MpmModelLoadFactor(model, load, model->state.time) + MpmModelLoadFactor(model, load, time));
+}
+
 /* Conditions and loads at the step's end. */
 static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, PetscReal time, MpmOutcome *outcome)
 {
@@ -225,6 +232,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   for (PetscInt k = 0; k < model->scene.surfaces->count; k++) {
     model->disc.context.surfaces->factor[k]   = MpmStepLoadFactor(model, model->scene.loads->count + k, time);
     model->disc.context.surfaces->pressure[k] = MpmModelSurfacePressure(model, k, time);
+    model->disc.context.surfaces->mean[k]     = MeanFactor(model, model->scene.loads->count + k, time);
   }
   model->disc.context.surfaces->still = model->state.scheme.water_held;
   model->disc.context.surfaces->table = model->scene.water;
