@@ -163,8 +163,8 @@ PetscErrorCode MpmRestSettle(MpmModel model, MpmRest *rest, PetscReal scale, Mpm
   PetscCall(PetscArraycpy(rest->F, points.F, rest->n * points.F_size));
   PetscCall(MpmParticlesRestoreArrays(model->state.particles, &points));
   PetscCall(SetWater(model, rest, scale));
-  model->state.scheme.fraction.loads = scale;
-  model->state.dt.last               = 0.;
+  model->state.scheme.load_scale = scale;
+  model->state.dt.last           = 0.;
   PetscCall(
     MpmStep(model, model->state.period.end, model->state.period.end - model->state.period.start, PETSC_FALSE, outcome));
   if (!outcome->code) {
@@ -191,10 +191,18 @@ static PetscErrorCode TryAgain(MpmModel model, PetscReal part, PetscReal *grow, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define FADES    0.1  /* the penalty where points are sparse, from one iteration under the full loads to the next, */
-#define HELD     1e-6 /* down to this part: on increments it only delays soft modes on their way to equilibrium */
 #define SLOWS    0.5  /* of the way half of the iterations ago: with less it converges */
 #define COLLAPSE 0.01 /* of the first displacement under the full loads: ground that moves on by more does not stand */
+
+/* True where elements have fewer points a cell than they need. */
+static PetscBool AreFew(const MpmModel model)
+{
+  const MpmShapeType shape = model->scene.shape.type;
+
+  for (PetscInt m = 0; MpmShapeOrder(shape) > 1 && m < model->scene.materials->count; m++)
+    if (MpmShapeSpacing(shape, model->scene.materials->at[m].spacing) >= 1.) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
 
 /*
   Reason for which no equilibrium was found in the allowed iterations: slow convergence, few points, collapse, or
@@ -209,7 +217,7 @@ static void ExplainIterations(MpmModel model, const MpmRest *rest, PetscInt solv
   const PetscReal most = stage->geostatic.tolerance * rest->height, moved = rest->moved;
   char            text[256];
 
-  if (model->scene.stabilization.few)
+  if (AreFew(model))
     (void)PetscSNPrintf(text, sizeof(text), "%s needs %" PetscInt_FMT " points a cell on each axis to come to rest",
                         MpmShapeName(model->scene.shape.type), MpmShapeOrder(model->scene.shape.type) + 1);
   else if (moved < SLOWS * half) {
@@ -282,14 +290,12 @@ static PetscErrorCode FindEquilibrium(MpmModel model, MpmRest *rest, PetscInt *s
       continue;
     }
     part = next;
-    if (part == 1.) model->state.scheme.fraction.penalty = PetscMax(FADES * model->state.scheme.fraction.penalty, HELD);
     if (part == 1. && !(*solved)++) first = half = rest->moved;
     if (*solved == geostatic->iterations / 2) half = rest->moved;
   }
-  model->solver.iterations.newton      = newton;
-  model->solver.iterations.linear      = linear;
-  model->state.scheme.fraction.loads   = 1.;
-  model->state.scheme.fraction.penalty = 1.;
+  model->solver.iterations.newton = newton;
+  model->solver.iterations.linear = linear;
+  model->state.scheme.load_scale  = 1.;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -48,8 +48,8 @@ PetscReal MpmModelLoadFactor(const MpmModel model, PetscInt load, PetscReal time
   const MpmRamp ramp = load < loads ? model->scene.loads->at[load].ramp : model->scene.surfaces->at[load - loads].ramp;
 
   if (!acting->active || !ramp) return 0.;
-  if (acting->forced) return model->state.scheme.fraction.loads * acting->factor;
-  return model->state.scheme.fraction.loads * MpmRampEvaluate(ramp, time - acting->start);
+  if (acting->forced) return model->state.scheme.load_scale * acting->factor;
+  return model->state.scheme.load_scale * MpmRampEvaluate(ramp, time - acting->start);
 }
 
 PetscReal MpmModelSurfacePressure(const MpmModel model, PetscInt surface, PetscReal time)

@@ -122,9 +122,7 @@ typedef struct {
 /* Choices against cuts, locking and points drawn apart (stabilization.c). */
 typedef struct {
   PetscReal filled; /* share of the fullest piece beside it that makes a piece well filled; 0: no node follows others */
-  PetscBool ghost_auto; /* a ghost penalty where points are sparse, */
-  PetscReal sparse;     /* with this factor */
-  PetscBool few;        /* elements of order 2 to 4 with fewer points on an axis than their nodes */
+  PetscBool ghost_auto; /* a ghost penalty where points are sparse */
   PetscReal interior;   /* factor of the ghost penalty on all faces, but in geostatic stages; 0: none */
   PetscReal smooth;     /* share of means over pieces in the strain of a solid */
   PetscReal divide;     /* cells over which a point's domain is drawn before it is divided; 0: it never is */

@@ -125,11 +125,6 @@ typedef struct {
   PetscReal largest;             /* reference of errors: the largest change since the stage's start */
 } MpmStepError;
 
-/* Parts that act in the steps of a geostatic stage; otherwise 1. */
-typedef struct {
-  PetscReal loads, penalty; /* penalty: where points are sparse */
-} MpmFractions;
-
 /* How a step is taken (sdirk.c), and its error in time. */
 typedef struct {
   const MpmIntegrator *integrator;
@@ -149,7 +144,7 @@ typedef struct {
   MpmRescuing       rescuing;
   MpmSettling       settling;
   MpmWaterRun       water;
-  MpmFractions      fraction;
+  PetscReal         load_scale; /* fraction of its loads that a geostatic stage applies; otherwise 1 */
 } MpmScheme;
 
 /* Lengths of steps, s. */

@@ -88,19 +88,8 @@ static PetscErrorCode ReadDivide(MpmModel model, const MpmOptions *block)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-  MPM_FILLED of elements of order 3 and 4: polynomials of degree 3 tear with less than nearly all of their points; and
-  of elements with few points a cell: a full cell's modes without strain have no load, those of a part of a cell have
-  one with which no stress is in equilibrium.
-*/
-#define FILLED_WHOLE 0.9
-
-/*
-  MPM_GHOST_SPARSE of elements with few points a cell. A penalty on increments delays modes that few points strain: a
-  vertical cut that fails at 1.133 has the factor 1.265 with 0.1, 1.169 with 1e-3, 1.152 with 1e-4, with which a slope
-  takes three times as long (order 2, 2 x 2 points, H/10).
-*/
-#define GHOST_FEW 1e-3
+/* MPM_FILLED of elements of order 3 and 4: polynomials of degree 3 tear with less than nearly all of their points. */
+#define FILLED_3 0.9
 
 /* True where any stage takes explicit steps, in which no node follows others. */
 static PetscBool AnyExplicit(const MpmModel model)
@@ -127,8 +116,7 @@ static PetscReal DefaultFilled(const MpmModel model)
   else if (model->scene.stabilization.fbar && MpmShapeDegree(shape) == 2 && MpmStagesAreGeostatic(model) &&
            !AnyExplicit(model))
     order = 2;
-  if (order > 2 || model->scene.stabilization.few) return FILLED_WHOLE;
-  return PetscPowReal(MPM_FILLED, 1. / (PetscReal)order);
+  return order > 2 ? FILLED_3 : PetscPowReal(MPM_FILLED, 1. / (PetscReal)order);
 }
 
 /* Read again once F-bar is settled, for its default. */
@@ -140,8 +128,7 @@ static PetscErrorCode ReadFilled(MpmModel model, const MpmOptions *block)
     block, "filled", "-",
     "aggregation of small-cut nodes: those of cells (splines of even degree: cells around nodes) that the material "
     "fills to less than this share of the fullest one beside follow well filled ones by extrapolation; 0.35, "
-    "elements of order 2, and splines of degree 2 with F-bar from a geostatic state, its root, elements of more, or "
-    "with fewer points on an axis than order + 1, 0.9; "
+    "elements of order 2, and splines of degree 2 with F-bar from a geostatic state, its root, elements of more 0.9; "
     "0: no node does, the default where ghost is not auto (bar pulled by its end nodes by 8 % of a cell: reaction "
     "exact to 0.3 %, 19 % less with 0)",
     MPM_RANGE_NON_NEGATIVE, MPM_OPTIONAL, &model->scene.stabilization.filled, NULL));
@@ -250,14 +237,6 @@ static PetscErrorCode CountFree(const MpmModel model, PetscInt *count)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* True of a material whose elements have fewer points on an axis than nodes: strains at so few points do not lock. */
-static PetscBool HasFewPoints(const MpmModel model, PetscInt m)
-{
-  const MpmShapeType shape = model->scene.shape.type;
-
-  return (PetscBool)(MpmShapeOrder(shape) > 1 && MpmShapeSpacing(shape, model->scene.materials->at[m].spacing) >= 1.);
-}
-
 /* Choice of `auto` for F-bar, and its reason. */
 static PetscErrorCode ChooseFbar(MpmModel model)
 {
@@ -273,12 +252,10 @@ static PetscErrorCode ChooseFbar(MpmModel model)
                                        MpmShapeDegree(model->scene.shape.type) > 1);
 
     follows = (PetscBool)(follows || free);
-    if (HasFewPoints(model, m)) continue;
     if ((plastic && !free) || material->moduli.nu > MPM_NU_LOCKS) locks = material;
   }
-  model->scene.stabilization.fbar_why = model->scene.stabilization.few ? "few points a cell do not lock"
-                                        : follows                      ? "splines follow plastic flow that dilates"
-                                                                       : "no law flows or is nearly incompressible";
+  model->scene.stabilization.fbar_why =
+    follows ? "splines follow plastic flow that dilates" : "no law flows or is nearly incompressible";
   if (!locks) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CountFree(model, &count));
   model->scene.stabilization.fbar     = (PetscBool)(count > 1);
@@ -337,9 +314,6 @@ PetscErrorCode MpmStabilizationSettle(MpmModel model, const MpmOptions *options)
                 "-mpm_stabilization_smooth %g: not available for physics %s, must be auto or 0",
                 (double)model->scene.stabilization.smooth, model->scene.physics.name);
   PetscCall(SettleDivide(model));
-  for (PetscInt m = 0; model->disc.layout->motion && m < model->scene.materials->count; m++)
-    if (HasFewPoints(model, m)) model->scene.stabilization.few = PETSC_TRUE;
-  model->scene.stabilization.sparse = model->scene.stabilization.few ? GHOST_FEW : MPM_GHOST_SPARSE;
   if (model->scene.stabilization.fbar_auto && physics.fbar) PetscCall(ChooseFbar(model));
   MpmCheckInput(physics.fbar || !model->scene.stabilization.fbar,
                 "-mpm_stabilization_fbar %s: not available for physics %s, must be auto or false",
@@ -380,9 +354,8 @@ PetscErrorCode MpmStabilizationText(const MpmModel model, size_t length, char te
   if (model->disc.matrix.ghost > 0. && MpmStagesSolve(model))
     PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "; ghost penalty %g", (double)model->disc.matrix.ghost));
   else if (sparse && model->scene.stabilization.ghost_auto && MpmStagesSolve(model))
-    PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "; ghost penalty %g (auto: %s)",
-                            (double)model->scene.stabilization.sparse,
-                            model->scene.stabilization.few ? "few points a cell" : "one point a cell"));
+    PetscCall(PetscSNPrintf(ghost, sizeof(ghost), "; ghost penalty %g (auto: %s)", MPM_GHOST_SPARSE,
+                            MpmShapeOrder(model->scene.shape.type) > 1 ? "few points a cell" : "one point a cell"));
   if (model->scene.stabilization.interior > 0. && MpmStagesSolve(model))
     PetscCall(
       PetscSNPrintf(interior, sizeof(interior), "; interior penalty %g", (double)model->scene.stabilization.interior));

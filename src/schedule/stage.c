@@ -249,11 +249,10 @@ static void SetTime(MpmModel model, PetscInt k)
 {
   const MpmTimeControl *control = &model->scene.stages.at[k].time;
 
-  model->state.stage                   = k;
-  model->state.scheme.fraction.loads   = 1.;
-  model->state.scheme.fraction.penalty = 1.;
-  model->state.period.start            = model->state.time;
-  model->state.period.end              = MpmTimeRound(model->state.time + control->end);
+  model->state.stage             = k;
+  model->state.scheme.load_scale = 1.;
+  model->state.period.start      = model->state.time;
+  model->state.period.end        = MpmTimeRound(model->state.time + control->end);
   if (model->state.relaxing.ended[k] >= 0.) model->state.period.end = model->state.relaxing.ended[k];
   model->state.dt.nominal  = control->step;
   model->state.dt.least    = control->step_min;

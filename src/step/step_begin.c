@@ -51,9 +51,7 @@ MpmRules MpmStepRules(MpmModel model, PetscReal time)
                .material_count = model->disc.material.count,
                .penalty.ghost  = solves ? model->disc.matrix.ghost : 0.,
                .filled         = solves ? model->scene.stabilization.filled : 0.,
-               .penalty.sparse = solves && model->scene.stabilization.ghost_auto
-                                   ? model->state.scheme.fraction.penalty * model->scene.stabilization.sparse
-                                   : 0.,
+               .penalty.sparse = solves && model->scene.stabilization.ghost_auto ? MPM_GHOST_SPARSE : 0.,
                .penalty.interior =
                  solves && stage->geostatic.method == MPM_GEOSTATIC_NONE ? model->scene.stabilization.interior : 0.,
                .smooth   = model->scene.stabilization.smooth,
@@ -236,7 +234,7 @@ static PetscErrorCode PrepareConditions(MpmModel model, const MpmRules *rules, P
   }
   model->disc.context.surfaces->still = model->state.scheme.water_held;
   model->disc.context.surfaces->table = model->scene.water;
-  model->disc.context.surfaces->open  = model->state.scheme.fraction.loads;
+  model->disc.context.surfaces->open  = model->state.scheme.load_scale;
   PetscCall(MpmTermsPrepare(model->disc.terms, &(MpmTermStep){rules, model->disc.sum, model->state.particles}));
   PetscCall(PetscArrayzero(model->disc.nodal.force, model->disc.space->local * model->disc.block));
   for (PetscInt l = 0; l < model->scene.loads->count; l++) {

@@ -247,7 +247,7 @@ static PetscErrorCode Project(MpmModel model, PetscInt c, PetscReal nodal[])
 {
   const MpmLayout *layout = model->disc.layout;
   const PetscInt   count = model->disc.points->count * layout->rate.count, dim = model->disc.dim;
-  const PetscReal *still = model->disc.sum->still.pressure, part = model->state.scheme.fraction.loads;
+  const PetscReal *still = model->disc.sum->still.pressure, part = model->state.scheme.load_scale;
   MpmPointValues   values = {layout->component[c].shape, 1, layout->rate.count, NULL, NULL, layout->rate.count * dim};
   PetscReal       *value, *gradient;
 
