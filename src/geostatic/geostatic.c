@@ -249,8 +249,8 @@ static void ExplainPart(const MpmModel model, PetscReal part, MpmOutcome *outcom
   if (part <= 0.) return;
   if (outcome->code == MPM_OUTCOME_NO_SOLUTION && MpmShapeDegree(model->scene.shape.type) == 3 &&
       model->scene.stabilization.fbar)
-    hint = "; below a surface on a row of nodes bspline3 with F-bar needs tension, without it "
-           "(-mpm_stabilization_fbar false) or with gimp it does not";
+    hint = "; below a surface on a row of nodes bspline3 with F-bar may need tension: try gimp, or "
+           "-mpm_stabilization_fbar false";
   else if (outcome->code == MPM_OUTCOME_NO_SOLUTION && geostatic->method == MPM_GEOSTATIC_K0)
     hint = "; with the method gravity the line says which part of them the ground bears";
   if (part >= 1.) (void)MpmOutcomeExplain(outcome, "no equilibrium under the loads: %s%s", outcome->text, hint);

@@ -107,7 +107,7 @@ def wall(test):
         test.check(f"wall_{shape}.force", difference(run.results.column("reaction_wall_x"), push), None, 1e-7)
         test.check(f"wall_{shape}.moved", np.max(np.abs(run.table("displacement"))) / HEIGHT, None, 2e-9)
     run = test.run(LEVEL, mpm_shape="bspline3", status=3, **sand)
-    test.check("wall_bspline3.line", "bspline3 with F-bar needs tension" in run.errors, True, True)
+    test.check("wall_bspline3.line", "bspline3 with F-bar may need tension" in run.errors, True, True)
     motion = {"explicit": {"mpm_stage_hold_time_integrator": "explicit", "mpm_stage_hold_time_end": 0.05, "mpm_stage_hold_time_step": 5e-4},
               "relaxation": {"mpm_stage_hold_type": "relaxation", "mpm_stage_hold_time_step": 1e-4}}
     for label, options in (("stick", {"mpm_boundary_wall_friction": "stick"}), ("augmented", {"mpm_boundary_wall_method": "augmented"})):
